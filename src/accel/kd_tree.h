@@ -1,0 +1,61 @@
+/// The k-d tree: a surface-area-heuristic tree over triangles, ellipsoids and convex polyhedra.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "accel/query.h"
+#include "accel/shapes.h"
+
+namespace abbe {
+
+/// How a tree is built. The defaults are measured; see tests/bench.
+struct KdTreeConfig {
+  float traversal_cost = 1.0f;       ///< SAH cost of visiting a node.
+  float block_cost = 1.5f;           ///< SAH cost of testing one leaf block of 16 primitives.
+  float empty_bonus = 0.15f;         ///< Share of cost forgiven when a split cuts off empty space.
+  std::uint32_t max_depth = 64;      ///< Deepest leaf.
+  float max_references = 4.0f;       ///< References per primitive before splitting turns linear.
+};
+
+/// A tree over a copy of the shapes' data; it does not refer to the spans after build().
+class KdTree {
+ public:
+  /// Builds in time O(n log n), linear in degenerate input, in parallel.
+  /// Domain: every position finite, every triangle of non-zero area (drop others before), fewer
+  ///         than 2^31 primitives; any of the spans may be empty.
+  static KdTree build(const ShapeSpans& shapes, const KdTreeConfig& config = {});
+
+  KdTree();
+  KdTree(KdTree&&) noexcept;
+  KdTree& operator=(KdTree&&) noexcept;
+  ~KdTree();
+
+  /// The nearest hit of each ray among primitives that share a bit with `mask`.
+  /// Shape:  rays.size() == hits.size().
+  /// Domain: finite origins, finite non-zero directions; components may be zero or denormal.
+  void closest_hits(std::span<const Ray> rays, VisibilityMask mask, std::span<Hit> hits) const;
+  void closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+                    std::span<HitPacket> hits) const;
+
+  /// Whether each ray meets anything that shares a bit with `mask`: 1 or 0 per ray, one bit per
+  /// lane of a packet.
+  void any_hits(std::span<const Ray> rays, VisibilityMask mask,
+                std::span<std::uint8_t> occluded) const;
+  void any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+                std::span<std::uint32_t> occluded) const;
+
+  /// Closest hit of one ray that also counts the work done.
+  Hit closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const;
+
+  Box3f bounds() const;
+  std::size_t bytes() const;  ///< Memory held by the tree, its leaves and its shapes.
+
+ private:
+  struct Data;
+  std::unique_ptr<const Data> data_;
+};
+
+}  // namespace abbe

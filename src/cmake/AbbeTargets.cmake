@@ -1,0 +1,45 @@
+# How every target of the project is compiled, and the one way a module is declared.
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+# Flags shared by all code of the project, tests included.
+add_library(abbe_flags INTERFACE)
+target_compile_features(abbe_flags INTERFACE cxx_std_20)
+target_compile_options(abbe_flags INTERFACE
+  # The lowest processor: what Highway's SSE4 target needs, and nothing above it. Everything faster
+  # is compiled per target inside -inl.h files and chosen at run time.
+  -msse4.2 -maes -mpclmul
+  # g++ would fuse a*b+c even across intrinsics; hits must be the same on every ISA level.
+  -ffp-contract=off
+  -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
+  $<$<BOOL:${ABBE_WARNINGS_AS_ERRORS}>:-Werror>)
+if(ABBE_SANITIZE)
+  target_compile_options(abbe_flags INTERFACE -fsanitize=${ABBE_SANITIZE} -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
+  target_link_options(abbe_flags INTERFACE -fsanitize=${ABBE_SANITIZE})
+endif()
+
+# abbe_module(NAME [DEPENDS modules of lower floors...] [LIBRARIES external targets its .cpp files use...]
+#             [PUBLIC_LIBRARIES external targets seen through its headers...])
+# One module of src/: all .cpp files of its folder, included as "NAME/file.h".
+function(abbe_module name)
+  cmake_parse_arguments(arg "" "" "DEPENDS;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(TRANSFORM arg_DEPENDS PREPEND abbe_)
+  if(sources)
+    add_library(abbe_${name} STATIC ${sources})
+    set(scope PUBLIC)
+    target_link_libraries(abbe_${name} PRIVATE $<BUILD_INTERFACE:abbe_flags> ${arg_LIBRARIES})
+  else()
+    add_library(abbe_${name} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  target_include_directories(abbe_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
+  target_compile_features(abbe_${name} ${scope} cxx_std_20)
+  target_link_libraries(abbe_${name} ${scope} ${arg_DEPENDS} ${arg_PUBLIC_LIBRARIES})
+  set_property(GLOBAL APPEND PROPERTY ABBE_MODULES abbe_${name})
+endfunction()

@@ -1,0 +1,35 @@
+/// Display images and textures by OpenImageIO.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "image/image.h"
+
+namespace abbe {
+
+/// Writes display-referred RGB in [0, 1] (clamped) as PNG, JPEG or TIFF, by the file's suffix, in
+/// 8 bits. Written beside the target and renamed. Errors: output Error.
+void write_raster(const std::filesystem::path& file, const Image& rgb_encoded);
+
+/// A decoded texture: 8-bit files keep their codes, deeper ones become floats in [0, 1].
+struct DecodedTexture {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgba8;  ///< width·height·4 values, or empty
+  std::vector<float> rgba_float;    ///< width·height·4 values, or empty
+};
+
+/// Decodes a PNG or JPEG held in memory (glTF allows no others); row 0 at the top, grey and missing
+/// alpha filled in. The content decides the format, not its label.
+/// Domain: at most 2^28 pixels, checked on the header before any allocation.
+/// Errors: input Error at `where`.
+DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::string& where);
+
+/// Any image OpenImageIO reads, as floats. Errors: input Error.
+Image read_raster(const std::filesystem::path& file);
+
+}  // namespace abbe

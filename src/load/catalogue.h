@@ -1,0 +1,58 @@
+/// The catalogue of measured spectra: files under spectra/, found by id.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/notes.h"
+#include "optics/dispersion.h"
+#include "spectrum/observer.h"
+#include "spectrum/spectrum.h"
+
+namespace abbe {
+
+/// One file of the catalogue. Which of the data members is set follows from `quantity`.
+struct CatalogueEntry {
+  std::string id;
+  std::string quantity;  ///< "observer", "emission", "index", "complex index", "reflectance", ...
+  std::string name, source, doi, licence;
+  double range_min_nm = 0.0, range_max_nm = 0.0;
+  std::optional<Spectrum> spectrum;      ///< One curve: emission, reflectance, absorption.
+  std::optional<Dispersion> dispersion;  ///< Index of a dielectric.
+  std::optional<Spectrum> n, k;          ///< Complex index.
+  std::optional<Observer> observer;
+};
+
+/// Where spectra are looked for, and those already read.
+class Catalogue {
+ public:
+  /// Folders, first match wins: ABBE_SPECTRA_PATH (colon separated), spectra/ beside the binary or
+  /// up to two folders above it, the install prefix's share/abbe/spectra, the source tree.
+  static Catalogue standard();
+  explicit Catalogue(std::vector<std::filesystem::path> folders);
+
+  /// All ids, sorted.
+  const std::vector<std::string>& ids() const { return ids_; }
+  /// The full id for an id or a unique tail of one.
+  /// Errors: input Error at `where` when unknown (nearest names) or ambiguous (candidates).
+  std::string resolve(const std::string& id_or_tail, const std::string& where) const;
+  /// Reads and checks the file of an id or unique tail.
+  CatalogueEntry entry(const std::string& id_or_tail, const std::string& where) const;
+
+  /// Shorthands that also check the quantity.
+  Observer observer(const std::string& id = "observer/cie1931-2deg") const;
+  Spectrum illuminant(const std::string& id) const;
+
+ private:
+  std::vector<std::filesystem::path> folders_;
+  std::vector<std::string> ids_;
+  std::map<std::string, std::filesystem::path> files_;
+};
+
+/// Reads one file in the catalogue's format. Errors: input Error with file and line.
+CatalogueEntry read_spectrum_file(const std::filesystem::path& file, const std::string& id);
+
+}  // namespace abbe

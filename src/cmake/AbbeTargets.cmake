@@ -1,20 +1,32 @@
 # How every target of the project is compiled, and the one way a module is declared.
 
-if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
-  set(CMAKE_BUILD_TYPE Release)
+if(PROJECT_IS_TOP_LEVEL)
+  if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+    set(CMAKE_BUILD_TYPE Release)
+  endif()
+  set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 endif()
-set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
-# Flags shared by all code of the project, tests included.
-add_library(abbe_flags INTERFACE)
-target_compile_features(abbe_flags INTERFACE cxx_std_20)
-target_compile_options(abbe_flags INTERFACE
+# What all code that sees the project's headers must agree on, users of the library included:
+# inline functions merge at link time, so one caller's flags would otherwise decide for all.
+add_library(abbe_baseline INTERFACE)
+add_library(abbe::baseline ALIAS abbe_baseline)
+set_target_properties(abbe_baseline PROPERTIES EXPORT_NAME baseline)
+target_compile_features(abbe_baseline INTERFACE cxx_std_20)
+target_compile_options(abbe_baseline INTERFACE
   # The lowest processor: what Highway's SSE4 target needs, and nothing above it. Everything faster
   # is compiled per target inside -inl.h files and chosen at run time.
   -msse4.2 -maes -mpclmul
   # g++ would fuse a*b+c even across intrinsics; hits must be the same on every ISA level.
-  -ffp-contract=off
+  -ffp-contract=off)
+
+# Flags of the project's own code, tests included.
+add_library(abbe_flags INTERFACE)
+target_link_libraries(abbe_flags INTERFACE abbe_baseline)
+target_compile_definitions(abbe_flags INTERFACE ABBE_VERSION="${PROJECT_VERSION}")
+target_compile_options(abbe_flags INTERFACE
   -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
   $<$<BOOL:${ABBE_WARNINGS_AS_ERRORS}>:-Werror>)
 if(ABBE_SANITIZE)
@@ -38,8 +50,9 @@ function(abbe_module name)
     add_library(abbe_${name} INTERFACE)
     set(scope INTERFACE)
   endif()
+  add_library(abbe::${name} ALIAS abbe_${name})
+  set_target_properties(abbe_${name} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(abbe_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
-  target_compile_features(abbe_${name} ${scope} cxx_std_20)
-  target_link_libraries(abbe_${name} ${scope} ${arg_DEPENDS} ${arg_PUBLIC_LIBRARIES})
+  target_link_libraries(abbe_${name} ${scope} abbe_baseline ${arg_DEPENDS} ${arg_PUBLIC_LIBRARIES})
   set_property(GLOBAL APPEND PROPERTY ABBE_MODULES abbe_${name})
 endfunction()

@@ -1,0 +1,13 @@
+# Every library that the modules of src/ stand on: what the build looks for, and what the installed
+# package looks for again.
+set(ABBE_DEPENDENCIES
+  glm
+  hwy
+  TBB
+  fmt
+  nlohmann_json
+  OpenEXR
+  TinyGLTF
+  CLI11
+  OpenColorIO
+  OpenImageIO)

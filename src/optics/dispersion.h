@@ -26,8 +26,8 @@ struct PolynomialFormula {
   std::vector<double> c, p;
 };
 
-/// n² = c0 + c1 λ^p1/(λ² − c2^p2) + c3 λ^p3/(λ² − c4^p4) + Σ c_i λ^p_i (formula 4): the coefficients
-/// in the order of refractiveindex.info, absent ones left out at the end.
+/// n² = c0 + c1 λ^p1/(λ² − c2^p2) + c3 λ^p3/(λ² − c4^p4) + Σ c_i λ^p_i (formula 4): the
+/// coefficients in the order of refractiveindex.info, absent ones left out at the end.
 struct RefractiveIndexInfoFormula4 {
   std::vector<double> coefficients;
 };
@@ -50,9 +50,9 @@ struct TabulatedIndex {
 };
 
 /// How an index of refraction depends on wavelength. Relative to air, as catalogues state it.
-using Dispersion = std::variant<ConstantIndex, SellmeierFormula, PolynomialFormula,
-                                RefractiveIndexInfoFormula4, CauchyFormula, AbbeNumber,
-                                TabulatedIndex>;
+using Dispersion =
+    std::variant<ConstantIndex, SellmeierFormula, PolynomialFormula, RefractiveIndexInfoFormula4,
+                 CauchyFormula, AbbeNumber, TabulatedIndex>;
 
 /// n at a wavelength.
 /// Domain: 360–830 nm; at a pole or where n² < 1 the result is clamped to [1, 1000].

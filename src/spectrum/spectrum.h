@@ -21,8 +21,8 @@ enum class OutsideTable {
   Clamp,  ///< Reflectances, n and k: the nearest value.
 };
 
-/// Jakob and Hanika's smooth reflectance: S(λ) = ½ + x/(2√(1 + x²)), x = c0 λ² + c1 λ + c2, λ in nm.
-/// Always in [0, 1]. Source: Jakob & Hanika, CGF 38(2), 2019.
+/// Jakob and Hanika's smooth reflectance: S(λ) = ½ + x/(2√(1 + x²)), x = c0 λ² + c1 λ + c2, λ in
+/// nm. Always in [0, 1]. Source: Jakob & Hanika, CGF 38(2), 2019.
 struct SigmoidPolynomial {
   double c0 = 0.0, c1 = 0.0, c2 = 0.0;
 };
@@ -50,11 +50,14 @@ class Spectrum {
   std::span<const SpectralLine> lines() const;
   /// Whether the continuous part is zero everywhere.
   bool is_lines_only() const;
+  /// The wavelengths of its table, between which it is linear; empty when it has none.
+  std::span<const double> table_points_nm() const;
 
   /// This spectrum times a factor.
   Spectrum scaled(double factor) const;
 
  private:
+  friend Spectrum product(const Spectrum& a, const Spectrum& b);
   struct Data;
   std::shared_ptr<const Data> data_;
 };
@@ -63,8 +66,10 @@ class Spectrum {
 /// by b's continuous part and the other way round (two sets of lines do not multiply).
 Spectrum product(const Spectrum& a, const Spectrum& b);
 
-/// ∫ weight(λ) S(λ) dλ over 360–830 nm, plus Σ weight·strength over the lines in range: composite
-/// Simpson on the union of the 1 nm grid and the table points, exact for products of linear pieces.
+/// ∫ weight(λ) S(λ) dλ over 360–830 nm, plus Σ weight·strength over the lines in range: two points
+/// of Gauss and Legendre between neighbours of the union of the 1 nm grid and the table points,
+/// exact for products of linear pieces, and for a lamp that ends with a jump at the edge of its
+/// table.
 double integral(const Spectrum& spectrum);
 double integral(const Spectrum& spectrum, const Spectrum& weight);
 

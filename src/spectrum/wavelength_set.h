@@ -22,10 +22,10 @@ enum class LaneKind : std::uint8_t {
 };
 
 struct WavelengthOptions {
-  int count = 16;                            ///< Continuous lanes, 1 to 64.
-  double range_min_nm = 360.0;               ///< Part of the range that is rendered.
+  int count = 16;               ///< Continuous lanes, 1 to 64.
+  double range_min_nm = 360.0;  ///< Part of the range that is rendered.
   double range_max_nm = 830.0;
-  std::vector<double> exact_nm = {};         ///< --lines: exactly these, nothing else.
+  std::vector<double> exact_nm = {};  ///< --lines: exactly these, nothing else.
   std::uint32_t seed = 0;
 };
 

@@ -11,8 +11,13 @@
 
 namespace abbe {
 
+/// Attribute of a display image that names the display it is encoded for.
+inline constexpr const char* kDisplayAttribute = "abbe:display";
+
 /// Writes display-referred RGB in [0, 1] (clamped) as PNG, JPEG or TIFF, by the file's suffix, in
-/// 8 bits. Written beside the target and renamed. Errors: output Error.
+/// 8 bits, rounded to the nearest code; NaN is black. Tagged sRGB unless kDisplayAttribute names
+/// another display; without a date, so that the same pixels give the same bytes. Written beside the
+/// target and renamed. Errors: output Error.
 void write_raster(const std::filesystem::path& file, const Image& rgb_encoded);
 
 /// A decoded texture: 8-bit files keep their codes, deeper ones become floats in [0, 1].

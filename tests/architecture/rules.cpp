@@ -1,0 +1,176 @@
+#include "architecture/rules.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace abbe::architecture {
+namespace {
+
+const std::map<std::string, int, std::less<>>& floors() {
+  static const std::map<std::string, int, std::less<>> kFloors = {
+      {"base", 0},   {"math", 1},   {"spectrum", 2}, {"accel", 2},    {"optics", 3},  {"color", 3},
+      {"scene", 4},  {"image", 4},  {"load", 5},     {"film", 5},     {"display", 5}, {"world", 5},
+      {"render", 7}, {"report", 8}, {"cli", 9},      {"integrate", 6}};
+  return kFloors;
+}
+
+/// A third-party library and the only modules that may include it.
+struct Rim {
+  const char* library;
+  const char* header_pattern;
+  std::set<std::string> modules;
+  bool in_headers = false;  ///< JSON values are shared between the readers of one module.
+};
+
+const std::vector<Rim>& rims() {
+  static const std::vector<Rim> kRims = {
+      {"OpenEXR", R"((OpenEXR/|Imath/|Imf\w*\.h|Iex\w*\.h|half\.h).*)", {"image"}},
+      {"OpenImageIO", R"(OpenImageIO/.*)", {"image"}},
+      {"OpenColorIO", R"(OpenColorIO/.*)", {"display"}},
+      {"tinygltf", R"((.*/)?(tiny_gltf|tinygltf|stb_image)\w*\.h(pp)?)", {"load"}},
+      {"CLI11", R"(CLI/.*)", {"cli"}},
+      {"nlohmann/json", R"(nlohmann/.*)", {"load", "report", "cli"}, true},
+      {"Embree", R"(embree\d*/.*)", {}},
+      {"GoogleTest", R"((gtest|gmock|rapidcheck|benchmark)(/|\.h).*)", {}},
+  };
+  return kRims;
+}
+
+std::string module_of(const std::string& path) {
+  return path.substr(0, path.find('/'));
+}
+
+bool is_header(const std::string& path) {
+  return path.ends_with(".h") || path.ends_with(".hpp");
+}
+
+std::string edge_complaint(const std::string& path, const std::string& from, const std::string& to,
+                           const std::string& verb) {
+  const int from_floor = *floor_of(from);
+  const int to_floor = *floor_of(to);
+  if (from == to || to_floor < from_floor) return "";
+  return path + ": " + from + " (floor " + std::to_string(from_floor) + ") " + verb + " " + to +
+         " (floor " + std::to_string(to_floor) + "), expected only lower floors";
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+std::string where(const std::string& path, std::size_t line_index) {
+  return path + ":" + std::to_string(line_index + 1);
+}
+
+}  // namespace
+
+std::optional<int> floor_of(std::string_view module) {
+  const auto found = floors().find(module);
+  if (found == floors().end()) return std::nullopt;
+  return found->second;
+}
+
+std::vector<std::string> include_violations(const std::string& path, const std::string& text) {
+  static const std::regex kInclude(R"re(^\s*#\s*include\s*([<"])([^>"]+)[>"].*)re");
+  std::vector<std::string> violations;
+  const std::string module = module_of(path);
+  if (!floor_of(module)) return {path + ": src/" + module + " is no module of the floors table"};
+
+  const std::vector<std::string> lines = lines_of(text);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    std::smatch match;
+    if (!std::regex_match(lines[i], match, kInclude)) continue;
+    const bool quoted = match[1] == "\"";
+    const std::string header = match[2];
+
+    if (header.find("..") != std::string::npos)
+      violations.push_back(where(path, i) + ": include " + header + ", expected module/file.h");
+    if (floor_of(module_of(header)) && header.find('/') != std::string::npos) {
+      const std::string complaint =
+          edge_complaint(where(path, i), module, module_of(header), "includes");
+      if (!complaint.empty()) violations.push_back(complaint);
+    } else if (quoted && header.find('/') != std::string::npos) {
+      violations.push_back(where(path, i) + ": include \"" + header +
+                           "\" names no module; third-party headers go in <>");
+    }
+    for (const Rim& rim : rims()) {
+      if (!std::regex_match(header, std::regex(rim.header_pattern))) continue;
+      if (!rim.modules.contains(module))
+        violations.push_back(where(path, i) + ": " + rim.library + " outside its rim (" + header +
+                             ")");
+      else if (is_header(path) && !rim.in_headers)
+        violations.push_back(where(path, i) + ": " + rim.library + " in a header (" + header +
+                             "), expected only in .cpp files");
+    }
+  }
+  return violations;
+}
+
+std::vector<std::string> link_violations(const std::string& path, const std::string& text) {
+  static const std::regex kModule(R"(abbe_module\(\s*(\w+)([^)]*)\))");
+  static const std::regex kWord(R"([^\s]+)");
+  static const std::set<std::string> kKeywords = {"DEPENDS", "LIBRARIES", "PUBLIC_LIBRARIES"};
+  std::smatch match;
+  if (!std::regex_search(text, match, kModule)) return {path + ": declares no abbe_module"};
+  const std::string module = match[1];
+  const std::string arguments = match[2];
+  if (!floor_of(module)) return {path + ": " + module + " is no module of the floors table"};
+
+  std::vector<std::string> violations;
+  std::string keyword;
+  for (auto word = std::sregex_iterator(arguments.begin(), arguments.end(), kWord);
+       word != std::sregex_iterator(); ++word) {
+    const std::string name = word->str();
+    if (kKeywords.contains(name)) {
+      keyword = name;
+    } else if (keyword == "DEPENDS") {
+      if (!floor_of(name)) {
+        violations.push_back(path + ": links " + name + ", which is no module");
+        continue;
+      }
+      const std::string complaint = edge_complaint(path, module, name, "links");
+      if (!complaint.empty()) violations.push_back(complaint);
+    }
+  }
+  return violations;
+}
+
+std::vector<std::string> top_level_violations(const std::vector<std::string>& folders) {
+  static const std::set<std::string> kHouse = {"src",   "spectra", "scenes",
+                                               "tests", "config",  ".ci"};
+  std::vector<std::string> violations;
+  for (const std::string& folder : folders)
+    if (!kHouse.contains(folder))
+      violations.push_back(folder +
+                           "/: no folder of the house (.ci, config, scenes, spectra, src, "
+                           "tests)");
+  return violations;
+}
+
+std::vector<std::string> machine_path_violations(const std::string& path, const std::string& text) {
+  // Only at the start of a path: `scenes/work/` is a folder of the project, `a/home/b` is no home.
+  static const std::regex kMachinePath(R"((^|[^\w.\-/}]|file://)/(work|home|root|Users)/\w)");
+  std::vector<std::string> violations;
+  const std::vector<std::string> lines = lines_of(text);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    // Data URIs make lines of megabytes, which std::regex would match recursively.
+    if (lines[i].size() > 4000) continue;
+    if (std::regex_search(lines[i], kMachinePath))
+      violations.push_back(where(path, i) + ": an absolute path of a machine: " + lines[i]);
+  }
+  return violations;
+}
+
+std::vector<std::string> name_violations(const std::string& path) {
+  static const std::regex kEmptyName(R"((^|.*[/_\-])(utils?|common|misc|helpers?)([/_.\-].*|$))");
+  if (std::regex_match(path, kEmptyName)) return {path + ": a name that says nothing"};
+  return {};
+}
+
+}  // namespace abbe::architecture

@@ -1,0 +1,32 @@
+/// The rules of the house, as functions of text, so that each can be shown to fail.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace abbe::architecture {
+
+/// The floor of a module of src/; none for a name that is no module.
+std::optional<int> floor_of(std::string_view module);
+
+/// What is wrong with the includes of one file of src/: edges that point up or sideways, headers of
+/// a third-party library outside its rim, folders that are no module.
+/// `path` is relative to src/, e.g. `optics/fresnel.cpp`.
+std::vector<std::string> include_violations(const std::string& path, const std::string& text);
+
+/// What is wrong with the DEPENDS of a module's CMakeLists.txt: the same edges, at link time.
+std::vector<std::string> link_violations(const std::string& path, const std::string& text);
+
+/// What is wrong with a name at the top level of the repository: a folder that is not one of the
+/// house.
+std::vector<std::string> top_level_violations(const std::vector<std::string>& folders);
+
+/// Lines of a text that hold an absolute path of somebody's machine.
+std::vector<std::string> machine_path_violations(const std::string& path, const std::string& text);
+
+/// File names that say nothing about their subject (utils, common, misc, helpers).
+std::vector<std::string> name_violations(const std::string& path);
+
+}  // namespace abbe::architecture

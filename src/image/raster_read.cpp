@@ -1,12 +1,11 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
-#include <algorithm>
 #include <memory>
-#include <string_view>
 
 #include "base/error.h"
 #include "image/raster.h"
+#include "image/texture_structure.h"
 
 namespace abbe {
 namespace {
@@ -14,15 +13,9 @@ namespace {
 constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
 constexpr std::int64_t kMostValues = std::int64_t{1} << 31;
 
-std::string format_of(std::span<const std::uint8_t> bytes) {
-  const auto starts_with = [&](std::string_view magic) {
-    return bytes.size() >= magic.size() &&
-           std::equal(magic.begin(), magic.end(), bytes.begin(),
-                      [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
-  };
-  if (starts_with("\x89PNG\r\n\x1a\n")) return "png";
-  if (starts_with("\xff\xd8\xff")) return "jpeg";
-  return "";
+// Libraries report several lines; the first says what happened.
+std::string first_line(const std::string& text) {
+  return text.substr(0, text.find('\n'));
 }
 
 bool is_bounded(const OIIO::ImageSpec& spec) {
@@ -61,9 +54,9 @@ DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::st
   const auto reject = [&](const std::string& found) {
     throw_input_error(where, found, "a PNG or JPEG image");
   };
-  const std::string format = format_of(bytes);
-  if (bytes.empty()) reject("an empty image");
-  if (format.empty()) reject("bytes that begin neither as PNG nor as JPEG");
+  const std::string error = texture_structure_error(bytes);
+  if (!error.empty()) reject(error);
+  const std::string format = texture_format(bytes) == TextureFormat::Png ? "png" : "jpeg";
 
   OIIO::Filesystem::IOMemReader memory(const_cast<std::uint8_t*>(bytes.data()), bytes.size());
   OIIO::Filesystem::IOProxy* proxy = &memory;
@@ -74,7 +67,7 @@ DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::st
   const auto input = OIIO::ImageInput::create(format);
   if (!input) reject("a build of OpenImageIO without " + format);
   const auto decoding_failed = [&] {
-    const std::string reason = input->geterror();
+    const std::string reason = first_line(input->geterror());
     reject("a broken " + format + (reason.empty() ? "" : ": " + reason));
   };
   OIIO::ImageSpec spec;
@@ -111,7 +104,7 @@ Image read_raster(const std::filesystem::path& file) {
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
   const auto input = OIIO::ImageInput::open(file.string(), &config);
-  if (!input) reject(OIIO::geterror());
+  if (!input) reject(first_line(OIIO::geterror()));
   const OIIO::ImageSpec& spec = input->spec();
   if (!is_bounded(spec)) reject(size_of(spec));
 
@@ -122,7 +115,7 @@ Image read_raster(const std::filesystem::path& file) {
   const std::size_t pixels = static_cast<std::size_t>(spec.width) * spec.height;
   image.pixels.resize(pixels * image.channel_count());
   if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data())) {
-    reject(input->geterror());
+    reject(first_line(input->geterror()));
   }
   return image;
 }

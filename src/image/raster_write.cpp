@@ -72,6 +72,9 @@ void write_raster(const std::filesystem::path& file, const Image& rgb_encoded) {
     spec.attribute("jpeg:subsampling", "4:4:4");
   }
 
+  // OpenImageIO would put the present time into a TIFF.
+  if (format == "tiff") spec.attribute("DateTime", "");
+
   write_atomically(file, [&](const std::filesystem::path& temporary) {
     const auto output = OIIO::ImageOutput::create(format);
     const auto reject = [&](const std::string& reason) {

@@ -3,9 +3,7 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "spectrum/observer.h"
@@ -60,6 +58,14 @@ class WavelengthQuadrature {
   std::span<const float> weights_nm(int set) const;
   std::span<const LaneKind> kinds() const { return kinds_; }
 
+  /// The weights by which a film turns radiance per lane into tristimulus values:
+  /// K_m · weight · cmf(λ), continuous lanes times a correction close to 1. The correction is a
+  /// polynomial in wavelength, of a degree that the number of lanes supports, chosen per set and
+  /// per channel so that the mix of the scene's lamps, and the mix times each power of wavelength
+  /// up to that degree, integrate to what they are: white is white in every single sample. Shape:
+  /// set_count × 3 × lane_stride: of each set the lanes of X, of Y, of Z. Padding is 0.
+  std::vector<float> observer_weights(const Observer& observer) const;
+
   /// A reflectance, index or absorption at every lane of every set.
   /// Shape: set_count × lane_stride, set by set.
   std::vector<float> tabulate(const Spectrum& quantity) const;
@@ -73,8 +79,12 @@ class WavelengthQuadrature {
   int lane_count_ = 0;
   int lane_stride_ = 0;
   int set_count_ = 0;
+  int continuous_count_ = 0;
   std::uint32_t seed_ = 0;
+  double range_min_nm_ = 0.0, range_max_nm_ = 0.0;
+  Spectrum lamp_mix_;  ///< Continuous parts of the lamps, each at luminance 1; 1 without any.
   std::vector<LaneKind> kinds_;
+  std::vector<double> line_nm_;  ///< Of the line lanes, rising.
   std::vector<float> wavelengths_nm_;
   std::vector<float> weights_nm_;
 };

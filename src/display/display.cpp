@@ -1,0 +1,214 @@
+#include "display/display.h"
+
+#include <OpenColorIO/OpenColorIO.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/parallel.h"
+#include "display/embedded_config.h"
+#include "image/raster.h"
+
+namespace OCIO = OCIO_NAMESPACE;
+
+namespace abbe {
+namespace {
+
+constexpr double kMiddleGrey = 0.18;
+
+// Beyond this the matrices and curves of a view overflow to NaN; no display shows a difference.
+constexpr float kLargestValue = 1e9f;
+
+struct LoadedConfig {
+  OCIO::ConstConfigRcPtr config;
+  std::string where;  ///< For messages.
+};
+
+LoadedConfig load_file(const std::filesystem::path& file, const std::string& where) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) {
+    throw_input_error(where, "no such file", "an OCIO configuration");
+  }
+  try {
+    OCIO::ConstConfigRcPtr config = OCIO::Config::CreateFromFile(file.c_str());
+    config->validate();
+    return {config, where};
+  } catch (const OCIO::Exception& exception) {
+    throw_input_error(where, exception.what(), "an OCIO configuration");
+  }
+}
+
+LoadedConfig load_config(const DisplayOptions& options) {
+  // Remarks on a configuration would go to stderr past the one place that prints.
+  OCIO::SetLoggingLevel(OCIO::LOGGING_LEVEL_NONE);
+  if (options.config) return load_file(*options.config, options.config->string());
+  if (const char* variable = std::getenv("OCIO"); variable != nullptr && *variable != '\0') {
+    return load_file(variable, std::string("$OCIO, ") + variable);
+  }
+  const std::filesystem::path folder = program_folder();
+  for (const char* relative : {"../share/abbe/config", "../../config", "../config"}) {
+    const std::filesystem::path file = folder / relative / "config.ocio";
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(file, ignored)) return load_file(file, file.string());
+  }
+  std::istringstream text{embedded_config()};
+  return {OCIO::Config::CreateFromStream(text), "the built-in OCIO configuration"};
+}
+
+void check_space(const LoadedConfig& loaded, const std::string& name) {
+  if (loaded.config->getColorSpace(name.c_str())) return;
+  std::vector<std::string> names;
+  const int count =
+      loaded.config->getNumColorSpaces(OCIO::SEARCH_REFERENCE_SPACE_SCENE, OCIO::COLORSPACE_ACTIVE);
+  for (int i = 0; i < count; ++i) {
+    names.emplace_back(loaded.config->getColorSpaceNameByIndex(OCIO::SEARCH_REFERENCE_SPACE_SCENE,
+                                                               OCIO::COLORSPACE_ACTIVE, i));
+  }
+  throw_usage_error("--colorspace", "'" + name + "'", "a colour space of " + loaded.where, names);
+}
+
+void check_display_and_view(const LoadedConfig& loaded, const std::string& display,
+                            const std::string& view) {
+  const OCIO::Config& config = *loaded.config;
+  std::vector<std::string> displays;
+  for (int i = 0; i < config.getNumDisplays(); ++i) displays.emplace_back(config.getDisplay(i));
+  if (std::find(displays.begin(), displays.end(), display) == displays.end()) {
+    throw_usage_error("--display", "'" + display + "'", "a display of " + loaded.where, displays);
+  }
+  std::vector<std::string> views;
+  for (int i = 0; i < config.getNumViews(display.c_str()); ++i) {
+    views.emplace_back(config.getView(display.c_str(), i));
+  }
+  if (std::find(views.begin(), views.end(), view) == views.end()) {
+    throw_usage_error("--view", "'" + view + "'", "a view of " + display + " in " + loaded.where,
+                      views);
+  }
+}
+
+OCIO::ConstCPUProcessorRcPtr processor_of(const LoadedConfig& loaded,
+                                          const OCIO::ConstTransformRcPtr& transform) {
+  try {
+    return loaded.config->getProcessor(transform)->getDefaultCPUProcessor();
+  } catch (const OCIO::Exception& exception) {
+    throw_input_error(loaded.where, exception.what(), "a configuration that can be applied");
+  }
+}
+
+using RgbIndices = std::array<std::size_t, 3>;
+
+RgbIndices rgb_indices(const Image& image) {
+  RgbIndices indices{};
+  const std::array<const char*, 3> names{"R", "G", "B"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto index = image.channel_index(names[i]);
+    if (!index) {
+      throw_input_error("", "an image without channel " + std::string(names[i]),
+                        "channels R, G and B", image.channels);
+    }
+    indices[i] = *index;
+  }
+  return indices;
+}
+
+float finite(float value) {
+  return std::isnan(value) ? 0.0f : std::clamp(value, -kLargestValue, kLargestValue);
+}
+
+// Applies a processor to gain × RGB of `source`, row by row, into R, G, B of `target`.
+void apply(const OCIO::CPUProcessor& processor, const Image& source, const RgbIndices& from,
+           float gain, Image& target, const RgbIndices& to) {
+  const auto width = static_cast<std::size_t>(source.width);
+  const std::size_t source_channels = source.channel_count();
+  const std::size_t target_channels = target.channel_count();
+  parallel_for(0, static_cast<std::size_t>(source.height), 4, [&](std::size_t y) {
+    std::vector<float> row(width * 3);
+    const float* in = source.pixels.data() + y * width * source_channels;
+    for (std::size_t x = 0; x < width; ++x) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        row[x * 3 + c] = finite(gain * in[x * source_channels + from[c]]);
+      }
+    }
+    OCIO::PackedImageDesc description(row.data(), source.width, 1, 3);
+    processor.apply(description);
+    float* out = target.pixels.data() + y * width * target_channels;
+    for (std::size_t x = 0; x < width; ++x) {
+      for (std::size_t c = 0; c < 3; ++c) out[x * target_channels + to[c]] = row[x * 3 + c];
+    }
+  });
+}
+
+}  // namespace
+
+Image to_display(const Image& scene_linear, const DisplayOptions& options) {
+  const LoadedConfig loaded = load_config(options);
+  check_space(loaded, options.source_space);
+  check_display_and_view(loaded, options.display, options.view);
+  const RgbIndices from = rgb_indices(scene_linear);
+
+  const auto transform = OCIO::DisplayViewTransform::Create();
+  transform->setSrc(options.source_space.c_str());
+  transform->setDisplay(options.display.c_str());
+  transform->setView(options.view.c_str());
+  const auto processor = processor_of(loaded, transform);
+  const double exposure_ev =
+      options.auto_exposure ? auto_exposure_ev(scene_linear) : options.exposure_ev;
+
+  Image display;
+  display.width = scene_linear.width;
+  display.height = scene_linear.height;
+  display.data_origin = scene_linear.data_origin;
+  display.full_size = scene_linear.full_size;
+  display.channels = {"R", "G", "B"};
+  display.attributes[kDisplayAttribute] = options.display;
+  display.pixels.resize(static_cast<std::size_t>(display.width) *
+                        static_cast<std::size_t>(display.height) * 3);
+  apply(*processor, scene_linear, from, static_cast<float>(std::exp2(exposure_ev)), display,
+        {0, 1, 2});
+  return display;
+}
+
+void convert_space(Image& image, const std::string& from, const std::string& to,
+                   const DisplayOptions& options) {
+  const LoadedConfig loaded = load_config(options);
+  check_space(loaded, from);
+  check_space(loaded, to);
+  const RgbIndices rgb = rgb_indices(image);
+  const auto transform = OCIO::ColorSpaceTransform::Create();
+  transform->setSrc(from.c_str());
+  transform->setDst(to.c_str());
+  apply(*processor_of(loaded, transform), image, rgb, 1.0f, image, rgb);
+}
+
+double auto_exposure_ev(const Image& scene_linear) {
+  const RgbIndices rgb = rgb_indices(scene_linear);
+  const std::size_t channels = scene_linear.channel_count();
+  const auto luminance = [&](std::size_t pixel) {
+    const float* p = scene_linear.pixels.data() + pixel * channels;
+    return 0.2126 * p[rgb[0]] + 0.7152 * p[rgb[1]] + 0.0722 * p[rgb[2]];
+  };
+  const std::size_t pixels = channels == 0 ? 0 : scene_linear.pixels.size() / channels;
+  double brightest = 0.0;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const double Y = luminance(i);
+    if (std::isfinite(Y)) brightest = std::max(brightest, Y);
+  }
+  // What is black beside the rest has no logarithm to speak of: it must not drag the mean down.
+  const double black = 1e-6 * brightest;
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const double Y = luminance(i);
+    if (!std::isfinite(Y) || Y <= black) continue;
+    sum += std::log2(Y);
+    ++count;
+  }
+  if (count == 0) return 0.0;
+  return std::log2(kMiddleGrey) - sum / static_cast<double>(count);
+}
+
+}  // namespace abbe

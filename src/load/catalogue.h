@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "base/notes.h"
 #include "optics/dispersion.h"
 #include "spectrum/observer.h"
 #include "spectrum/spectrum.h"
@@ -18,11 +17,13 @@ namespace abbe {
 struct CatalogueEntry {
   std::string id;
   std::string quantity;  ///< "observer", "emission", "index", "complex index", "reflectance", ...
-  std::string name, source, doi, licence;
+  std::string unit;      ///< "1", "relative", "W/(m2 sr nm)", "1/m".
+  std::string name, source, doi, licence, note;
   double range_min_nm = 0.0, range_max_nm = 0.0;
   std::optional<Spectrum> spectrum;      ///< One curve: emission, reflectance, absorption.
   std::optional<Dispersion> dispersion;  ///< Index of a dielectric.
-  std::optional<Spectrum> n, k;          ///< Complex index.
+  std::optional<Spectrum> n, k;          ///< Complex index; a dielectric's if it was tabulated.
+  std::optional<double> n_d, V_d;        ///< As the maker's catalogue states them.
   std::optional<Observer> observer;
 };
 
@@ -31,12 +32,14 @@ class Catalogue {
  public:
   /// Folders, first match wins: ABBE_SPECTRA_PATH (colon separated), spectra/ beside the binary or
   /// up to two folders above it, the install prefix's share/abbe/spectra, the source tree.
+  /// Errors: input Error when none of them exists.
   static Catalogue standard();
   explicit Catalogue(std::vector<std::filesystem::path> folders);
 
   /// All ids, sorted.
   const std::vector<std::string>& ids() const { return ids_; }
-  /// The full id for an id or a unique tail of one.
+  /// The full id for an id or a unique tail of one: "SF10" for glass/schott/SF10. A tail begins at
+  /// a slash, so "SF10" is not one of N-SF10.
   /// Errors: input Error at `where` when unknown (nearest names) or ambiguous (candidates).
   std::string resolve(const std::string& id_or_tail, const std::string& where) const;
   /// Reads and checks the file of an id or unique tail.

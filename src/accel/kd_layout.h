@@ -1,0 +1,72 @@
+/// How a finished k-d tree lies in memory, and the view of it that the query kernels read.
+#pragma once
+
+#include <cstdint>
+
+#include "accel/kd_memory.h"
+#include "accel/shapes.h"
+
+namespace abbe {
+
+/// A reference to a part of the tree: nothing, an inner node, or a leaf.
+using KdChild = std::uint32_t;
+inline constexpr KdChild kEmptyChild = 0;
+inline constexpr KdChild kLeafBit = 0x80000000u;   ///< The rest is a block, or see kMixedBit.
+inline constexpr KdChild kMixedBit = 0x40000000u;  ///< With kLeafBit: the rest is a mixed leaf.
+inline constexpr KdChild kIndexMask = 0x3fffffffu;
+
+/// Three levels of the binary tree in one cache line. Plane 0 splits the cell, planes 1 and 2 its
+/// lower and upper part, planes 3 to 6 theirs; child c lies above plane p of its path where the
+/// corresponding bit of c is set. A plane that is not needed has both sides' children alike empty.
+struct alignas(64) WideNode {
+  float planes[7];
+  std::uint32_t axes;  ///< Four bits for each plane, plane 0 lowest.
+  KdChild children[8];
+};
+static_assert(sizeof(WideNode) == 64);
+
+inline constexpr int kBlockTriangles = 16;
+
+/// Sixteen triangles in SIMD layout. Unused lanes repeat one corner of lane 0 three times, which no
+/// ray meets. Bit 31 of id[0] says that the leaf has a further block behind this one.
+struct alignas(64) TriangleBlock {
+  float corners[9][kBlockTriangles];  ///< x, y, z of the first corner, then of the second, third.
+  std::uint32_t id[kBlockTriangles];
+};
+static_assert(sizeof(TriangleBlock) == 640);
+
+inline constexpr std::uint32_t kMoreBlocksBit = 0x80000000u;
+inline constexpr std::uint32_t kIdMask = 0x7fffffffu;
+
+/// A leaf that holds solids, and perhaps triangles too.
+struct MixedLeaf {
+  std::uint32_t first_block, block_count;
+  std::uint32_t first_solid, solid_count;  ///< In KdView::solids.
+};
+
+/// The deepest stack of a query: each wide level takes one entry away and adds up to eight.
+inline constexpr std::uint32_t kMaxTreeDepth = 96;
+inline constexpr int kStackEntries = (kMaxTreeDepth / 3 + 1) * 7 + 9;
+
+/// Everything a query reads.
+struct KdView {
+  KdChild root = kEmptyChild;
+  const WideNode* nodes = nullptr;
+  const TriangleBlock* blocks = nullptr;
+  const MixedLeaf* mixed_leaves = nullptr;
+  const std::uint32_t* solids = nullptr;  ///< Primitive numbers of ellipsoids and polyhedra.
+  const Ellipsoid* ellipsoids = nullptr;
+  const ConvexPolyhedron* polyhedra = nullptr;
+  const Plane* planes = nullptr;
+  const VisibilityMask* masks = nullptr;  ///< Null when every primitive has the mask `any_mask`.
+  VisibilityMask any_mask = 0;            ///< Bits that at least one primitive has.
+  std::uint32_t triangle_count = 0;
+  std::uint32_t ellipsoid_count = 0;
+  Box3f bounds;
+
+  bool is_visible(std::uint32_t primitive, VisibilityMask mask) const {
+    return masks == nullptr || (masks[primitive] & mask) != 0;
+  }
+};
+
+}  // namespace abbe

@@ -1,0 +1,144 @@
+#include "accel/kd_tree.h"
+
+#include <vector>
+
+#include "accel/kd_build.h"
+#include "accel/kd_convert.h"
+#include "accel/kd_layout.h"
+#include "accel/kd_scalar.h"
+
+namespace abbe {
+
+struct KdTree::Data {
+  KdArrays arrays;
+  std::vector<Ellipsoid> ellipsoids;
+  std::vector<ConvexPolyhedron> polyhedra;
+  std::vector<Plane> planes;
+  std::vector<VisibilityMask> masks;
+  KdView view;
+};
+
+namespace {
+
+// Bits of all primitives, and whether they are the same for all.
+struct MaskSummary {
+  VisibilityMask any = 0;
+  bool is_uniform = true;
+};
+
+MaskSummary summarize_masks(const ShapeSpans& shapes) {
+  if (shapes.masks.empty()) return {kAllBits, true};
+  MaskSummary summary{0, true};
+  for (const VisibilityMask mask : shapes.masks) {
+    summary.any = static_cast<VisibilityMask>(summary.any | mask);
+    summary.is_uniform = summary.is_uniform && mask == shapes.masks.front();
+  }
+  return summary;
+}
+
+Ray ray_of_lane(const RayPacket& packet, int lane) {
+  return {{packet.origin_x[lane], packet.origin_y[lane], packet.origin_z[lane]},
+          packet.t_max[lane],
+          {packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]}};
+}
+
+}  // namespace
+
+KdTree::KdTree() : data_(std::make_unique<const Data>()) {}
+KdTree::KdTree(KdTree&&) noexcept = default;
+KdTree& KdTree::operator=(KdTree&&) noexcept = default;
+KdTree::~KdTree() = default;
+
+KdTree KdTree::build(const ShapeSpans& shapes, const KdTreeConfig& config) {
+  auto data = std::make_unique<Data>();
+  const BuildTree tree = build_kd_tree(shapes, config);
+  data->arrays = convert_kd_tree(tree, shapes);
+  data->ellipsoids.assign(shapes.ellipsoids.begin(), shapes.ellipsoids.end());
+  data->polyhedra.assign(shapes.polyhedra.begin(), shapes.polyhedra.end());
+  data->planes.assign(shapes.planes.begin(), shapes.planes.end());
+  const MaskSummary masks = summarize_masks(shapes);
+  if (!masks.is_uniform) data->masks.assign(shapes.masks.begin(), shapes.masks.end());
+
+  KdView& view = data->view;
+  view.root = data->arrays.root;
+  view.nodes = data->arrays.nodes.data();
+  view.blocks = data->arrays.blocks.data();
+  view.mixed_leaves = data->arrays.mixed_leaves.data();
+  view.solids = data->arrays.solids.data();
+  view.ellipsoids = data->ellipsoids.data();
+  view.polyhedra = data->polyhedra.data();
+  view.planes = data->planes.data();
+  view.masks = masks.is_uniform ? nullptr : data->masks.data();
+  view.any_mask = masks.any;
+  view.triangle_count = static_cast<std::uint32_t>(shapes.triangles.size());
+  view.ellipsoid_count = static_cast<std::uint32_t>(shapes.ellipsoids.size());
+  view.bounds = tree.bounds;
+
+  KdTree result;
+  result.data_ = std::move(data);
+  return result;
+}
+
+void KdTree::closest_hits(std::span<const Ray> rays, VisibilityMask mask,
+                          std::span<Hit> hits) const {
+  QueryCost cost;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    hits[i] = closest_hit_scalar(data_->view, rays[i], mask, cost);
+  }
+}
+
+void KdTree::closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+                          std::span<HitPacket> hits) const {
+  QueryCost cost;
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    for (int lane = 0; lane < kPacketLanes; ++lane) {
+      Hit hit;
+      if (packets[i].active >> lane & 1u) {
+        hit = closest_hit_scalar(data_->view, ray_of_lane(packets[i], lane), mask, cost);
+      }
+      hits[i].t[lane] = hit.t;
+      hits[i].u[lane] = hit.u;
+      hits[i].v[lane] = hit.v;
+      hits[i].primitive[lane] = hit.primitive;
+    }
+  }
+}
+
+void KdTree::any_hits(std::span<const Ray> rays, VisibilityMask mask,
+                      std::span<std::uint8_t> occluded) const {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    occluded[i] = any_hit_scalar(data_->view, rays[i], mask) ? 1 : 0;
+  }
+}
+
+void KdTree::any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+                      std::span<std::uint32_t> occluded) const {
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    occluded[i] = 0;
+    for (int lane = 0; lane < kPacketLanes; ++lane) {
+      if ((packets[i].active >> lane & 1u) == 0) continue;
+      if (any_hit_scalar(data_->view, ray_of_lane(packets[i], lane), mask)) {
+        occluded[i] |= 1u << lane;
+      }
+    }
+  }
+}
+
+Hit KdTree::closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const {
+  return closest_hit_scalar(data_->view, ray, mask, cost);
+}
+
+Box3f KdTree::bounds() const {
+  return data_->view.bounds;
+}
+
+std::size_t KdTree::bytes() const {
+  const Data& d = *data_;
+  return d.arrays.nodes.bytes() + d.arrays.blocks.bytes() +
+         d.arrays.mixed_leaves.size() * sizeof(MixedLeaf) +
+         d.arrays.solids.size() * sizeof(std::uint32_t) + d.ellipsoids.size() * sizeof(Ellipsoid) +
+         d.polyhedra.size() * sizeof(ConvexPolyhedron) + d.planes.size() * sizeof(Plane) +
+         d.masks.size();
+}
+
+}  // namespace abbe

@@ -1,0 +1,70 @@
+#include "accel/solids.h"
+
+#include <cmath>
+#include <limits>
+
+namespace abbe {
+namespace {
+
+// The answer is a float: what rounds to 0 or to t_max is outside the open segment.
+bool is_inside(double t, float t_max) {
+  const auto rounded = static_cast<float>(t);
+  return rounded > 0.0f && rounded < t_max;
+}
+
+}  // namespace
+
+std::optional<SolidHit> intersect_ellipsoid(const Ray& ray, const Ellipsoid& ellipsoid) {
+  const Vec3d o =
+      ellipsoid.world_to_unit_linear * Vec3d(ray.origin) + ellipsoid.world_to_unit_offset;
+  const Vec3d d = ellipsoid.world_to_unit_linear * Vec3d(ray.direction);
+  const double dd = glm::dot(d, d);
+  const double closest = -glm::dot(o, d) / dd;
+  // From the closest point instead of b² − ac: no cancellation from far away.
+  const Vec3d p = o + closest * d;
+  const double inside = 1.0 - glm::dot(p, p);
+  if (!(inside >= 0.0)) return std::nullopt;
+  const double half_chord = std::sqrt(inside / dd);
+  const double c = glm::dot(o, o) - 1.0;
+  // The root nearer to the origin by Vieta: both terms of the farther one have the same sign.
+  const double far = closest >= 0.0 ? closest + half_chord : closest - half_chord;
+  const double near = far != 0.0 ? c / (dd * far) : 0.0;
+  const double first = std::fmin(near, far);
+  const double second = std::fmax(near, far);
+  if (is_inside(first, ray.t_max)) return SolidHit{first, 0};
+  if (is_inside(second, ray.t_max)) return SolidHit{second, 0};
+  return std::nullopt;
+}
+
+std::optional<SolidHit> intersect_polyhedron(const Ray& ray, std::span<const Plane> planes) {
+  const Vec3d o(ray.origin);
+  const Vec3d d(ray.direction);
+  double enter = -std::numeric_limits<double>::infinity();
+  double leave = std::numeric_limits<double>::infinity();
+  std::uint32_t enter_face = 0;
+  std::uint32_t leave_face = 0;
+  for (std::uint32_t i = 0; i < planes.size(); ++i) {
+    const double towards = glm::dot(planes[i].normal, d);
+    const double distance = planes[i].distance - glm::dot(planes[i].normal, o);
+    if (towards == 0.0) {
+      if (distance < 0.0) return std::nullopt;
+      continue;
+    }
+    const double t = distance / towards;
+    if (towards < 0.0) {
+      if (t > enter) {
+        enter = t;
+        enter_face = i;
+      }
+    } else if (t < leave) {
+      leave = t;
+      leave_face = i;
+    }
+  }
+  if (!(enter <= leave)) return std::nullopt;
+  if (is_inside(enter, ray.t_max)) return SolidHit{enter, enter_face};
+  if (is_inside(leave, ray.t_max)) return SolidHit{leave, leave_face};
+  return std::nullopt;
+}
+
+}  // namespace abbe

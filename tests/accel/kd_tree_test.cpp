@@ -3,65 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
-
 #include "accel/brute_force.h"
+#include "accel/worlds.h"
+#include "base/parallel.h"
 
 namespace abbe::test {
 namespace {
-
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  float uniform(float low, float high) {
-    return std::uniform_real_distribution<float>(low, high)(engine_);
-  }
-  Vec3f in_cube(float half) {
-    const float x = uniform(-half, half), y = uniform(-half, half), z = uniform(-half, half);
-    return {x, y, z};
-  }
-  Vec3f direction() {
-    while (true) {
-      const Vec3f v = in_cube(1.0f);
-      const float length = glm::length(v);
-      if (length > 0.05f && length < 1.0f) return v / length;
-    }
-  }
-
- private:
-  std::mt19937 engine_;
-};
-
-World random_triangles(Random& random, int count, float size) {
-  World world;
-  for (int i = 0; i < count; ++i) {
-    const Vec3f center = random.in_cube(1.0f);
-    world.add_triangle(center + random.in_cube(size), center + random.in_cube(size),
-                       center + random.in_cube(size));
-  }
-  return world;
-}
-
-// Four kinds of neighbours: unrelated, one origin, one origin and nearly one direction, and nearly
-// one origin and direction.
-std::vector<Ray> random_rays(Random& random, int count) {
-  std::vector<Ray> rays;
-  for (int i = 0; i < count; i += 16) {
-    const Vec3f origin = random.in_cube(1.5f);
-    const Vec3f direction = random.direction();
-    const int kind = i / 16 % 4;
-    const float t_max = i / 64 % 2 == 0 ? kInfinity : random.uniform(0.1f, 2.0f);
-    for (int lane = 0; lane < 16 && i + lane < count; ++lane) {
-      Ray ray{origin, t_max, direction};
-      if (kind == 0) ray.origin = random.in_cube(1.5f);
-      if (kind == 3) ray.origin += random.in_cube(0.01f);
-      if (kind < 2) ray.direction = random.direction();
-      if (kind >= 2) ray.direction = glm::normalize(direction + random.in_cube(0.01f));
-      rays.push_back(ray);
-    }
-  }
-  return rays;
-}
 
 TEST(KdTree, empty_world_is_never_hit) {
   Random random(1);
@@ -112,6 +59,50 @@ TEST(KdTree, masked_primitives_are_passed_through) {
   for (const VisibilityMask mask : {kOpaqueBit, kTransparentBit, kAllBits, VisibilityMask{4}}) {
     SCOPED_TRACE(testing::Message() << "mask " << int{mask});
     expect_right_answers(world, tree, rays, mask);
+  }
+}
+
+TEST(KdTree, tree_does_not_depend_on_the_number_of_threads) {
+  const World world = closed_sphere(5, Vec3f(0.3f), 1.0f, 0.01f);
+  Random random(5);
+  const std::vector<Ray> rays = random_rays(random, 4000);
+  std::vector<Hit> one(rays.size()), many(rays.size());
+  std::size_t bytes = 0;
+  {
+    const ThreadLimit limit(1);
+    const KdTree tree = KdTree::build(world.spans());
+    bytes = tree.bytes();
+    tree.closest_hits(rays, kAllBits, one);
+  }
+  const KdTree tree = KdTree::build(world.spans());
+  EXPECT_EQ(tree.bytes(), bytes);
+  tree.closest_hits(rays, kAllBits, many);
+  for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_TRUE(is_same(one[i], many[i]));
+}
+
+TEST(KdTree, inactive_lanes_answer_nothing_and_change_nothing) {
+  Random random(13);
+  const World world = random_triangles(random, 1000, 0.3f);
+  const KdTree tree = KdTree::build(world.spans());
+  const std::vector<Ray> rays = random_rays(random, 1600);
+  for (std::size_t p = 0; p < rays.size() / 16; ++p) {
+    RayPacket packet = make_packet(std::span(rays).subspan(p * 16, 16));
+    HitPacket all, some;
+    tree.closest_hits({&packet, 1}, kAllBits, {&all, 1});
+    packet.active =
+        p % 4 == 0 ? 0u : 1u << (p % 16) | static_cast<std::uint32_t>(random.below(65536));
+    for (int lane = 0; lane < kPacketLanes; ++lane) {
+      // What an inactive lane holds must not matter.
+      if ((packet.active >> lane & 1u) == 0) packet.direction_x[lane] = std::nanf("");
+    }
+    std::uint32_t occluded = 0;
+    tree.closest_hits({&packet, 1}, kAllBits, {&some, 1});
+    tree.any_hits({&packet, 1}, kAllBits, {&occluded, 1});
+    for (int lane = 0; lane < kPacketLanes; ++lane) {
+      const bool is_active = (packet.active >> lane & 1u) != 0;
+      EXPECT_TRUE(is_same(lane_of(some, lane), is_active ? lane_of(all, lane) : Hit{}));
+      EXPECT_EQ((occluded >> lane & 1u) != 0, is_active && lane_of(all, lane).is_hit());
+    }
   }
 }
 

@@ -33,7 +33,9 @@ target_compile_options(abbe_flags INTERFACE
   $<$<BOOL:${ABBE_WARNINGS_AS_ERRORS}>:-Werror>)
 if(ABBE_SANITIZE)
   target_compile_options(abbe_flags INTERFACE -fsanitize=${ABBE_SANITIZE} -fno-omit-frame-pointer
-    -fno-sanitize-recover=all)
+    -fno-sanitize-recover=all
+    # The instrumented standard library looks uninitialised to g++.
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(abbe_flags INTERFACE -fsanitize=${ABBE_SANITIZE})
 endif()
 

@@ -30,7 +30,7 @@ double mitchell(double x) {
 
 Filter Filter::named(const std::string& name) {
   if (name == "box") return {Kind::Box, name, 0.5};
-  if (name == "triangle") return {Kind::Triangle, name, 1.0};
+  if (name == "triangle") return {Kind::Tent, name, 1.0};
   if (name == "gaussian") return {Kind::Gaussian, name, 1.5};
   if (name == "mitchell") return {Kind::Mitchell, name, 2.0};
   throw_usage_error("--filter", "'" + name + "'", "the name of a filter", filter_names());
@@ -71,7 +71,7 @@ double Filter::shape(double offset_px) const {
   switch (kind_) {
     case Kind::Box:
       return 1.0;
-    case Kind::Triangle:
+    case Kind::Tent:
       return 1.0 - x;
     case Kind::Gaussian: {
       // Lowered so that it ends at 0 instead of in a step.

@@ -37,7 +37,7 @@ class Filter {
   float weight_magnitude() const { return weight_magnitude_; }
 
  private:
-  enum class Kind { Box, Triangle, Gaussian, Mitchell };
+  enum class Kind { Box, Tent, Gaussian, Mitchell };
 
   Filter(Kind kind, std::string name, double radius_px);
   double shape(double offset_px) const;

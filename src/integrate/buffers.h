@@ -1,0 +1,53 @@
+/// The working memory of one integrating thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "accel/query.h"
+#include "base/aligned.h"
+#include "integrate/fan.h"
+#include "integrate/integrator.h"
+#include "integrate/interaction.h"
+#include "integrate/surface_point.h"
+
+namespace abbe {
+
+/// Light on its way to lanes that wait to know whether it is blocked.
+struct ShadowJob {
+  std::uint32_t sample = 0;
+  std::uint32_t data = 0;  ///< Offset of the light per lane, then of the visibility per lane.
+  std::uint32_t first_query = 0;  ///< Index of its ray, or of its first packet.
+  std::uint32_t record = 0;       ///< 1 + number of the record it belongs to.
+  LaneMask lanes;                 ///< Lanes that any light can reach.
+  MediumStack media;
+  bool spread = false;
+};
+
+struct IntegratorScratch::Buffers {
+  std::vector<FanList> spare_lists;
+
+  // Closest-hit queries of a batch of fans.
+  std::vector<Ray> rays;
+  std::vector<Hit> hits;
+  std::vector<RayPacket> packets;
+  std::vector<HitPacket> packet_hits;
+  std::vector<std::uint32_t> first_query;  ///< Per fan of the batch.
+  std::array<SurfacePoint, kMaxLanes> points;
+
+  // Any-hit queries towards lights.
+  std::vector<ShadowJob> shadow_jobs;
+  AlignedVector<float> shadow_data;
+  std::vector<Ray> shadow_rays;
+  std::vector<std::uint8_t> shadow_ray_occluded;
+  std::vector<RayPacket> shadow_packets;
+  std::vector<std::uint32_t> shadow_packet_occluded;
+
+  Interaction at;
+  AlignedVector<float> local_light;   ///< Emission and ambient light, per sample and lane.
+  AlignedVector<float> direct_light;  ///< Light from lights, likewise: two sums, so that the
+                                      ///< order of each does not depend on batching.
+};
+
+}  // namespace abbe

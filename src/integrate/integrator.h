@@ -1,0 +1,87 @@
+/// The illumination equation, solved over fans of wavelengths in batches.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "integrate/record.h"
+#include "math/ray.h"
+#include "world/world.h"
+
+namespace abbe {
+
+struct IntegratorSettings {
+  int max_depth = 16;    ///< Most surfaces a path may leave.
+  float cutoff = 1e-4f;  ///< Weight below which a fan no longer branches, 0 to branch always.
+  bool drop = false;     ///< Whitted's plain rule: below the cutoff a fan ends, its energy is lost.
+  /// Fans a thread keeps waiting in one generation before it finishes some samples first.
+  std::size_t queue_capacity = 8192;
+};
+
+/// A ray that a camera has sent, with what it carries.
+struct CameraSample {
+  Vec3f origin{0.0f};
+  Vec3f direction{0.0f, 0.0f, -1.0f};  ///< Unit length.
+  float footprint_m = 0.0f;            ///< Width of the pixel's beam at the origin.
+  float footprint_per_m = 0.0f;        ///< Growth of that width with distance.
+  int set = 0;                         ///< Wavelength set.
+  std::uint32_t seed = 0;              ///< Its random numbers; own to the sample.
+};
+
+/// What a camera ray met first, for extra channels.
+struct FirstHit {
+  bool is_hit = false;
+  Vec3f position{0.0f};
+  Vec3f normal{0.0f};
+  Vec2f uv{0.0f};
+  float distance_m = 0.0f;
+  std::uint32_t object = 0;
+  std::uint32_t material = 0;
+  Vec3f albedo_rec709{0.0f};
+};
+
+/// Counts of what was done, summed over threads by the caller.
+struct IntegratorStats {
+  std::uint64_t camera_rays = 0, reflected_rays = 0, refracted_rays = 0, passed_rays = 0,
+                shadow_rays = 0;
+  std::uint64_t united_fans = 0, spread_fans = 0;
+  std::uint64_t spread_lanes = 0;  ///< Lanes alive in spread fans; over spread_fans: occupancy.
+  std::uint64_t peak_queued_fans = 0;
+  std::uint64_t peak_queue_bytes = 0;
+  double weight_started = 0.0;         ///< Sum of the camera fans' weights.
+  double weight_lost_to_depth = 0.0;   ///< Weight of children not followed at the depth limit.
+  double weight_lost_to_cutoff = 0.0;  ///< With `drop`: weight of fans ended.
+
+  void add(const IntegratorStats& other);
+};
+
+/// Working memory of one thread; reused from tile to tile.
+class IntegratorScratch {
+ public:
+  IntegratorScratch();
+  IntegratorScratch(IntegratorScratch&&) noexcept;
+  ~IntegratorScratch();
+
+  struct Buffers;
+  Buffers& buffers() { return *buffers_; }
+
+ private:
+  std::unique_ptr<Buffers> buffers_;
+};
+
+/// Radiance that arrives along each camera sample.
+/// Shape:  radiance holds samples.size() × lane_stride values; first_hits is empty or as long as
+///         samples.
+/// Units:  per lane W·m⁻²·sr⁻¹·nm⁻¹ (of a line lane: without nm⁻¹); in RGB modes cd/m².
+/// The result of a sample does not depend on the others, nor on capacity: its sums are taken
+/// generation by generation, in the order in which its own fans were made.
+/// `recorder` may be null; see record.h.
+void trace_samples(const World& world, const IntegratorSettings& settings,
+                   std::span<const CameraSample> samples, std::span<float> radiance,
+                   std::span<FirstHit> first_hits, IntegratorStats& stats,
+                   IntegratorScratch& scratch, std::vector<FanRecord>* recorder = nullptr);
+
+}  // namespace abbe

@@ -1,0 +1,103 @@
+#include "integrate/material_sample.h"
+
+#include <algorithm>
+
+#include "color/uplift.h"
+
+namespace abbe {
+namespace {
+
+Vec4f texel(const World& world, const TextureUse& use, const SurfacePoint& point,
+            float footprint_m) {
+  const float footprint_uv = footprint_m * point.uv_per_m[use.uv_set];
+  return world.textures[use.texture].value(transformed_uv(use, point.uv[use.uv_set]), footprint_uv);
+}
+
+// Everything that multiplies the base colour at this place; the factor's alpha included.
+Vec4f base_modulation(const World& world, const SurfaceMaterial& material,
+                      const SurfacePoint& point, float footprint_m) {
+  Vec4f value = point.color_rec709;
+  if (material.base_color_texture) {
+    value *= texel(world, *material.base_color_texture, point, footprint_m);
+  }
+  return value;
+}
+
+// In RGB modes the triple is used as it is, otherwise as a smooth reflectance.
+Vec3f lookup_of(const World& world, const Vec3f& rgb_rec709) {
+  if (world.lanes.quadrature() == nullptr) return rgb_rec709;
+  return uplift_rec709_from_table(glm::clamp(rgb_rec709, Vec3f(0.0f), Vec3f(1.0f)));
+}
+
+float coverage(const SurfaceMaterial& material, float alpha) {
+  switch (material.alpha_mode) {
+    case AlphaMode::Opaque:
+      return 1.0f;
+    case AlphaMode::Mask:
+      return alpha >= material.alpha_cutoff ? 1.0f : 0.0f;
+    case AlphaMode::Blend:
+      break;
+  }
+  return std::clamp(alpha, 0.0f, 1.0f);
+}
+
+}  // namespace
+
+MaterialSample material_sample(const World& world, const SurfaceMaterial& material,
+                               const SurfacePoint& point, float footprint_m) {
+  MaterialSample sample;
+  sample.metallic = material.metallic;
+  sample.roughness = material.roughness;
+  sample.transmission = material.transmission_factor;
+
+  const Surface& surface = world.surfaces[point.surface];
+  const bool modulated = material.base_color_texture || surface.colors_offset;
+  Vec4f modulation(1.0f);
+  if (modulated) {
+    modulation = base_modulation(world, material, point, footprint_m);
+    const Vec3f factor =
+        material.base_color_is_spectrum ? Vec3f(1.0f) : Vec3f(material.base_color_rec709);
+    sample.base_color.uses_row = material.base_color_is_spectrum;
+    sample.base_color.uses_lookup = true;
+    sample.base_color.lookup = lookup_of(world, factor * Vec3f(modulation));
+  }
+  sample.alpha = coverage(material, material.base_color_rec709.w * modulation.w);
+
+  if (material.metallic_roughness_texture) {
+    const Vec4f value = texel(world, *material.metallic_roughness_texture, point, footprint_m);
+    sample.roughness *= value.y;
+    sample.metallic *= value.z;
+  }
+  if (material.transmission_texture) {
+    sample.transmission *= texel(world, *material.transmission_texture, point, footprint_m).x;
+  }
+  if (material.emission_is_textured || (material.unlit && modulated)) {
+    Vec3f emitted_rec709 = material.emissive_rec709;
+    if (material.unlit) {
+      emitted_rec709 *= Vec3f(modulation);
+    } else {
+      emitted_rec709 *= Vec3f(texel(world, *material.emissive_texture, point, footprint_m));
+    }
+    sample.emission.uses_row = false;
+    sample.emission.uses_lookup = true;
+    if (world.lanes.quadrature() == nullptr) {
+      sample.emission.lookup = emitted_rec709;
+    } else {
+      // The scale rule for unbounded colours: see uplift_emission_rec709.
+      const float scale =
+          2.0f * std::max({emitted_rec709.x, emitted_rec709.y, emitted_rec709.z, 0.0f});
+      sample.emission_scale = scale;
+      sample.emission.lookup =
+          scale > 0.0f ? lookup_of(world, emitted_rec709 / scale) : Vec3f(0.0f);
+    }
+  }
+  return sample;
+}
+
+Vec3f base_color_rec709(const World& world, const SurfaceMaterial& material,
+                        const SurfacePoint& point, float footprint_m) {
+  return Vec3f(material.base_color_rec709) *
+         Vec3f(base_modulation(world, material, point, footprint_m));
+}
+
+}  // namespace abbe

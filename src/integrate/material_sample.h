@@ -1,0 +1,34 @@
+/// A material at one place: textures looked up, vertex colours applied.
+#pragma once
+
+#include "integrate/surface_point.h"
+#include "world/world.h"
+
+namespace abbe {
+
+/// A colour at a place, not yet spread over lanes: the product of a tabulated row and of a
+/// looked-up colour, either of which may be missing.
+struct ColorSample {
+  bool uses_row = true;
+  bool uses_lookup = false;
+  /// Coefficients of a smooth reflectance (color/uplift.h); in RGB modes the linear Rec.709 itself.
+  Vec3f lookup{0.0f};
+};
+
+struct MaterialSample {
+  ColorSample base_color;
+  ColorSample emission;         ///< Its row is SurfaceMaterial::emission, or D65 if looked up.
+  float emission_scale = 1.0f;  ///< Of a looked-up emission, cd/m².
+  float metallic = 0.0f, roughness = 1.0f, transmission = 0.0f;
+  float alpha = 1.0f;  ///< Coverage, after the alpha mode.
+};
+
+/// Units:  footprint_m is the width of the beam where it meets the surface.
+MaterialSample material_sample(const World& world, const SurfaceMaterial& material,
+                               const SurfacePoint& point, float footprint_m);
+
+/// The base colour as linear Rec.709, for the albedo channel.
+Vec3f base_color_rec709(const World& world, const SurfaceMaterial& material,
+                        const SurfacePoint& point, float footprint_m);
+
+}  // namespace abbe

@@ -1,0 +1,195 @@
+#include "integrate/passage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrate/material_sample.h"
+#include "optics/fresnel.h"
+
+namespace abbe {
+namespace {
+
+// A shadow ray that crosses more surfaces than this is taken as blocked.
+constexpr int kMostCrossings = 64;
+
+/// A straight ray under way: one lane of a spread job, or all lanes of a united one.
+struct Passage {
+  Ray ray;
+  MediumStack media;
+  LaneMask lanes;
+  std::uint32_t visibility = 0;  ///< Offset in Buffers::shadow_data.
+  int set = 0;
+};
+
+template <typename Body>
+void for_each_lane(const LaneMask& lanes, int lane_count, const Body& body) {
+  for (int lane = 0; lane < lane_count; ++lane) {
+    if (lanes.test(lane)) body(lane);
+  }
+}
+
+float color_value(const World& world, const ColorSample& color, const float* row,
+                  const float* abscissa, int lane) {
+  float value = color.uses_row ? row[lane] : 1.0f;
+  if (!color.uses_lookup) return value;
+  if (world.lanes.quadrature() == nullptr) return value * color.lookup[std::min(lane, 2)];
+  const float s = abscissa[lane];
+  const float x = (color.lookup.x * s + color.lookup.y) * s + color.lookup.z;
+  return value * (0.5f + 0.5f * x / std::sqrt(1.0f + x * x));
+}
+
+class Passer {
+ public:
+  Passer(const World& world, IntegratorScratch::Buffers& buffers, IntegratorStats& stats)
+      : world_(world), buffers_(buffers), stats_(stats) {}
+
+  void add(const ShadowJob& job, int set) {
+    const std::uint32_t visibility =
+        job.data + static_cast<std::uint32_t>(world_.lanes.lane_stride());
+    if (!job.spread) {
+      if (buffers_.shadow_ray_occluded[job.first_query] != 0) return;
+      underway_.push_back(
+          {buffers_.shadow_rays[job.first_query], job.media, job.lanes, visibility, set});
+      return;
+    }
+    for_each_lane(job.lanes, world_.lanes.lane_count(), [&](int lane) {
+      const std::size_t packet_index = job.first_query + static_cast<std::size_t>(lane / 16);
+      const int i = lane % 16;
+      if ((buffers_.shadow_packet_occluded[packet_index] >> i) & 1u) return;
+      const RayPacket& packet = buffers_.shadow_packets[packet_index];
+      Passage passage;
+      passage.ray.origin = {packet.origin_x[i], packet.origin_y[i], packet.origin_z[i]};
+      passage.ray.direction = {packet.direction_x[i], packet.direction_y[i], packet.direction_z[i]};
+      passage.ray.t_max = packet.t_max[i];
+      passage.media = job.media;
+      passage.lanes.set(lane);
+      passage.visibility = visibility;
+      passage.set = set;
+      underway_.push_back(passage);
+    });
+  }
+
+  void run() {
+    for (int crossing = 0; !underway_.empty(); ++crossing) {
+      if (crossing == kMostCrossings) {
+        for (const Passage& passage : underway_) block(passage);
+        return;
+      }
+      rays_.clear();
+      for (const Passage& passage : underway_) rays_.push_back(passage.ray);
+      hits_.resize(rays_.size());
+      world_.tree.closest_hits(std::span<const Ray>(rays_), kTransparentBit, std::span<Hit>(hits_));
+      stats_.shadow_rays += rays_.size();
+      std::size_t kept = 0;
+      for (std::size_t i = 0; i < underway_.size(); ++i) {
+        if (advance(underway_[i], hits_[i])) underway_[kept++] = underway_[i];
+      }
+      underway_.resize(kept);
+    }
+  }
+
+ private:
+  float* visibility(const Passage& passage) {
+    return buffers_.shadow_data.data() + passage.visibility;
+  }
+
+  void block(const Passage& passage) {
+    for_each_lane(passage.lanes, world_.lanes.lane_count(),
+                  [&](int lane) { visibility(passage)[lane] = 0.0f; });
+  }
+
+  void absorb(const Passage& passage, std::uint32_t material, float distance_m) {
+    const SurfaceMaterial& medium = world_.materials[material];
+    if (!medium.absorption_per_m) return;
+    const float* absorption = world_.row(*medium.absorption_per_m, passage.set);
+    for_each_lane(passage.lanes, world_.lanes.lane_count(), [&](int lane) {
+      visibility(passage)[lane] *= std::exp(-absorption[lane] * distance_m);
+    });
+  }
+
+  // Goes to the next surface and through it; false when the light, or darkness, is reached.
+  bool advance(Passage& passage, const Hit& hit) {
+    const float distance_m = hit.is_hit() ? hit.t : passage.ray.t_max;
+    if (!hit.is_hit()) {
+      if (!passage.media.empty()) absorb(passage, passage.media.top(), distance_m);
+      return false;
+    }
+    const SurfacePoint point =
+        surface_point(world_, passage.ray.origin, passage.ray.direction, hit);
+    const std::uint32_t number = world_.surfaces[point.surface].material;
+    const SurfaceMaterial& material = world_.materials[number];
+    const bool is_boundary = material.transmission == Transmission::Medium;
+    const bool front = glm::dot(passage.ray.direction, point.normal) < 0.0f;
+    const bool leaves_unknown = is_boundary && !front && !passage.media.contains(number);
+    if (leaves_unknown) {
+      absorb(passage, number, distance_m);
+    } else if (!passage.media.empty()) {
+      absorb(passage, passage.media.top(), distance_m);
+    }
+
+    // Leaving a medium inside which another one begins is no boundary for light.
+    const bool hidden = is_boundary && !front && !leaves_unknown && passage.media.top() != number;
+    if (is_boundary) {
+      if (front) {
+        cross(passage, material, point);
+        passage.media.push(number);
+      } else {
+        passage.media.remove(number);
+        if (!hidden) cross(passage, material, point);
+      }
+    } else {
+      cross(passage, material, point);
+    }
+
+    const Vec3f origin = off_surface(point, passage.ray.direction);
+    passage.ray.t_max -= glm::dot(origin - passage.ray.origin, passage.ray.direction);
+    passage.ray.origin = origin;
+    bool lit = false;
+    for_each_lane(passage.lanes, world_.lanes.lane_count(),
+                  [&](int lane) { lit |= visibility(passage)[lane] > 0.0f; });
+    return lit && passage.ray.t_max > 0.0f;
+  }
+
+  // passage.media is the outer medium here.
+  void cross(const Passage& passage, const SurfaceMaterial& material, const SurfacePoint& point) {
+    const MaterialSample sample = material_sample(world_, material, point, 0.0f);
+    const float* base_row = world_.row(material.base_color, passage.set);
+    const float* abscissa = world_.row(world_.uplift_abscissa, passage.set);
+    const float* n_inside = world_.row(material.index, passage.set);
+    const float* n_outside =
+        passage.media.empty()
+            ? nullptr
+            : world_.row(world_.materials[passage.media.top()].index, passage.set);
+    const float cosine =
+        std::min(1.0f, std::abs(glm::dot(passage.ray.direction, point.shading_normal)));
+    const float share = (1.0f - sample.metallic) * sample.transmission;
+    for_each_lane(passage.lanes, world_.lanes.lane_count(), [&](int lane) {
+      float through = 0.0f;
+      if (share > 0.0f && !material.index_is_infinite) {
+        const double eta_ti = n_inside[lane] / (n_outside != nullptr ? n_outside[lane] : 1.0f);
+        through = share *
+                  (1.0f - static_cast<float>(fresnel_dielectric(cosine, eta_ti).reflectance())) *
+                  color_value(world_, sample.base_color, base_row, abscissa, lane);
+      }
+      visibility(passage)[lane] *= (1.0f - sample.alpha) + sample.alpha * through;
+    });
+  }
+
+  const World& world_;
+  IntegratorScratch::Buffers& buffers_;
+  IntegratorStats& stats_;
+  std::vector<Passage> underway_;
+  std::vector<Ray> rays_;
+  std::vector<Hit> hits_;
+};
+
+}  // namespace
+
+void attenuate_by_transparent(const World& world, std::span<const CameraSample> samples,
+                              IntegratorScratch::Buffers& buffers, IntegratorStats& stats) {
+  Passer passer(world, buffers, stats);
+  for (const ShadowJob& job : buffers.shadow_jobs) passer.add(job, samples[job.sample].set);
+  passer.run();
+}
+
+}  // namespace abbe

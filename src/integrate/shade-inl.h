@@ -1,0 +1,293 @@
+/// Shading for all lanes at once: what a surface does to the lanes of a fan. Highway code, compiled
+/// once per instruction set.
+///
+/// Contract. No fused multiply-add and no reduction across lanes whose order depends on the vector
+/// width, so that a result has the same bits on every instruction set level.
+
+#if defined(ABBE_INTEGRATE_SHADE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ABBE_INTEGRATE_SHADE_INL_H_
+#undef ABBE_INTEGRATE_SHADE_INL_H_
+#else
+#define ABBE_INTEGRATE_SHADE_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "integrate/interaction.h"
+#include "integrate/microfacet.h"
+#include "optics/fresnel-inl.h"
+#include "world/world.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace abbe {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <class D>
+using VecOf = hn::Vec<D>;
+
+/// Three vectors: one 3-vector per lane.
+template <class D>
+struct Vec3Of {
+  VecOf<D> x, y, z;
+};
+
+template <class D>
+HWY_INLINE Vec3Of<D> Load3(D d, const LaneArray3& a, int i) {
+  return {hn::Load(d, a.x.v + i), hn::Load(d, a.y.v + i), hn::Load(d, a.z.v + i)};
+}
+
+template <class D>
+HWY_INLINE void Store3(D d, const Vec3Of<D>& v, LaneArray3& a, int i) {
+  hn::Store(v.x, d, a.x.v + i);
+  hn::Store(v.y, d, a.y.v + i);
+  hn::Store(v.z, d, a.z.v + i);
+}
+
+template <class D>
+HWY_INLINE VecOf<D> Dot3(D, const Vec3Of<D>& a, const Vec3Of<D>& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+
+/// s·a + t·b.
+template <class D>
+HWY_INLINE Vec3Of<D> Combine3(D, VecOf<D> s, const Vec3Of<D>& a, VecOf<D> t, const Vec3Of<D>& b) {
+  return {hn::Add(hn::Mul(s, a.x), hn::Mul(t, b.x)), hn::Add(hn::Mul(s, a.y), hn::Mul(t, b.y)),
+          hn::Add(hn::Mul(s, a.z), hn::Mul(t, b.z))};
+}
+
+template <class D>
+HWY_INLINE Vec3Of<D> Select3(D, hn::Mask<D> mask, const Vec3Of<D>& yes, const Vec3Of<D>& no) {
+  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
+          hn::IfThenElse(mask, yes.z, no.z)};
+}
+
+template <class D>
+HWY_INLINE Vec3Of<D> Normalized3(D d, const Vec3Of<D>& a) {
+  const auto scale = hn::Div(hn::Set(d, 1.0f), hn::Sqrt(Dot3(d, a, a)));
+  return {hn::Mul(a.x, scale), hn::Mul(a.y, scale), hn::Mul(a.z, scale)};
+}
+
+/// What a boundary between media is made of, per lane; null pointers mean index 1, no row.
+struct BoundaryRows {
+  const float* n_incident = nullptr;
+  const float* n_transmitted = nullptr;
+  const float* n_medium = nullptr;     ///< Of the medium that light arrives in.
+  const float* conductor_n = nullptr;  ///< Null: no conductor, metals by Schlick's rule.
+  const float* conductor_k = nullptr;
+};
+
+/// What shading found, per lane.
+struct Shading {
+  LaneArray cos_incident;
+  LaneArray eta_ti;
+  LaneArray cos_transmitted;
+  LaneArray k_r, k_t;    ///< Shares of power; k_t includes tint and transmission factor.
+  LaneArray diffuse;     ///< Albedo that is left for diffuse reflection.
+  LaneArray inverse_n2;  ///< 1/n² of the medium of arrival: light added here becomes basic.
+  LaneArray3 reflected, refracted;
+};
+
+template <class D>
+HWY_INLINE VecOf<D> RowOr(D d, const float* row, int i, float otherwise) {
+  return row != nullptr ? hn::LoadU(d, row + i) : hn::Set(d, otherwise);
+}
+
+/// Fresnel's k_r of a surface that is part metal, part dielectric.
+template <class D>
+HWY_INLINE VecOf<D> MetalReflectance(D d, const BoundaryRows& rows, int i, VecOf<D> base_color,
+                                     VecOf<D> n_medium, VecOf<D> cosine) {
+  if (rows.conductor_n == nullptr) {
+    return SchlickReflectance(d, base_color, hn::Set(d, 1.0f), cosine);
+  }
+  return ConductorReflectance(d, cosine, hn::Div(hn::LoadU(d, rows.conductor_n + i), n_medium),
+                              hn::Div(hn::LoadU(d, rows.conductor_k + i), n_medium));
+}
+
+/// Fills a Shading: shares of light and the directions of the coherent rays.
+/// `infinite_index` makes the dielectric part reflect everything; `hidden` is a boundary inside
+/// another medium, where light goes straight on; `thin` does not refract.
+template <class D>
+HWY_INLINE void ShadeLanes(D d, int stride, const BoundaryRows& rows, bool infinite_index,
+                           bool hidden, bool thin, const Interaction& at, Shading& out) {
+  const auto one = hn::Set(d, 1.0f);
+  const auto zero = hn::Zero(d);
+  const int step = static_cast<int>(hn::Lanes(d));
+  for (int i = 0; i < stride; i += step) {
+    const auto direction = Load3(d, at.direction, i);
+    const auto outward = Load3(d, at.outward, i);
+    auto normal = Load3(d, at.normal, i);
+    // The geometric normal on the side of arrival.
+    const auto from_front = hn::Lt(Dot3(d, direction, outward), zero);
+    const auto side = hn::IfThenElse(from_front, one, hn::Neg(one));
+    const Vec3Of<D> facing{hn::Mul(side, outward.x), hn::Mul(side, outward.y),
+                           hn::Mul(side, outward.z)};
+    auto cosine = hn::Neg(Dot3(d, direction, normal));
+    // Interpolated normals may turn away from a ray that sees the surface.
+    const auto turned_away = hn::Le(cosine, zero);
+    normal = Select3(d, turned_away, facing, normal);
+    cosine = hn::IfThenElse(turned_away, hn::Neg(Dot3(d, direction, facing)), cosine);
+    cosine = hn::Min(hn::Max(cosine, zero), one);
+
+    const auto n_medium = RowOr(d, rows.n_medium, i, 1.0f);
+    const auto eta =
+        hn::Div(RowOr(d, rows.n_transmitted, i, 1.0f), RowOr(d, rows.n_incident, i, 1.0f));
+    auto cos_transmitted = one;
+    auto dielectric = DielectricReflectance(d, cosine, eta, &cos_transmitted);
+    if (infinite_index) dielectric = one;
+    const auto base_color = hn::Load(d, at.base_color.v + i);
+    const auto metallic = hn::Load(d, at.metallic.v + i);
+    const auto transmission = hn::Load(d, at.transmission.v + i);
+    const auto metal = MetalReflectance(d, rows, i, base_color, n_medium, cosine);
+    const auto dielectric_part = hn::Sub(one, metallic);
+    const auto refracted_share =
+        hn::Mul(hn::Mul(dielectric_part, hn::Sub(one, dielectric)), base_color);
+    auto k_r = hn::Add(hn::Mul(dielectric_part, dielectric), hn::Mul(metallic, metal));
+    auto k_t = hn::Mul(refracted_share, transmission);
+    auto diffuse = hn::Mul(refracted_share, hn::Sub(one, transmission));
+
+    // Reflection about the shading normal, unless that would lead into the surface.
+    const auto two_cosine = hn::Add(cosine, cosine);
+    auto reflected = Combine3(d, one, direction, two_cosine, normal);
+    const auto two_facing = hn::Mul(hn::Set(d, -2.0f), Dot3(d, direction, facing));
+    reflected = Select3(d, hn::Gt(Dot3(d, reflected, facing), zero), reflected,
+                        Combine3(d, one, direction, two_facing, facing));
+    reflected = Normalized3(d, reflected);
+
+    // Snell: t = d/eta + (cos_i/eta − cos_t)·n, with eta = n_t/n_i.
+    const auto inverse_eta = hn::Div(one, eta);
+    auto refracted = Combine3(d, inverse_eta, direction,
+                              hn::Sub(hn::Mul(inverse_eta, cosine), cos_transmitted), normal);
+    const auto stays_outside = hn::Ge(Dot3(d, refracted, facing), zero);
+    refracted = Select3(d, stays_outside, direction, refracted);
+    refracted = Normalized3(d, refracted);
+
+    if (hidden) {
+      k_r = zero;
+      k_t = one;
+      diffuse = zero;
+    }
+    if (hidden || thin) refracted = direction;
+    hn::Store(cosine, d, out.cos_incident.v + i);
+    hn::Store(eta, d, out.eta_ti.v + i);
+    hn::Store(cos_transmitted, d, out.cos_transmitted.v + i);
+    hn::Store(k_r, d, out.k_r.v + i);
+    hn::Store(k_t, d, out.k_t.v + i);
+    hn::Store(diffuse, d, out.diffuse.v + i);
+    hn::Store(hn::Div(one, hn::Mul(n_medium, n_medium)), d, out.inverse_n2.v + i);
+    Store3(d, reflected, out.reflected, i);
+    Store3(d, refracted, out.refracted, i);
+  }
+}
+
+/// Direction and distance from every lane to a light.
+struct LightGeometry {
+  LaneArray3 direction;
+  LaneArray distance_m;
+};
+
+/// Light that would reach the camera from one light by direct reflection, per lane, before
+/// visibility: throughput/n² · Φ/r² · f_r · cosθ. Returns whether any lane gets some.
+/// Source: GGX and its height-correlated masking, glTF 2.0 appendix B; KHR_lights_punctual.
+template <class D>
+HWY_INLINE bool LightLanes(D d, int stride, const WorldLight& light, const float* light_row,
+                           const BoundaryRows& rows, bool infinite_index, bool has_rough_lobe,
+                           const Interaction& at, const Shading& shading, LightGeometry& geometry,
+                           float* contribution) {
+  const auto one = hn::Set(d, 1.0f);
+  const auto zero = hn::Zero(d);
+  const auto inverse_pi = hn::Set(d, static_cast<float>(1.0 / kPi));
+  const int step = static_cast<int>(hn::Lanes(d));
+  bool any = false;
+  for (int i = 0; i < stride; i += step) {
+    const auto view = Load3(d, at.direction, i);
+    const auto outward = Load3(d, at.outward, i);
+    const auto normal = Load3(d, at.normal, i);
+    const auto front = hn::Lt(Dot3(d, view, outward), zero);
+    const auto side = hn::IfThenElse(front, one, hn::Neg(one));
+
+    Vec3Of<D> to_light;
+    auto attenuation = one;
+    auto distance = hn::Set(d, kInfinity);
+    if (light.type == LightType::Directional) {
+      to_light = {hn::Set(d, -light.direction.x), hn::Set(d, -light.direction.y),
+                  hn::Set(d, -light.direction.z)};
+    } else {
+      const auto position = Load3(d, at.position, i);
+      const Vec3Of<D> offset{hn::Sub(hn::Set(d, light.position.x), position.x),
+                             hn::Sub(hn::Set(d, light.position.y), position.y),
+                             hn::Sub(hn::Set(d, light.position.z), position.z)};
+      const auto distance2 = hn::Max(Dot3(d, offset, offset), hn::Set(d, 1e-30f));
+      distance = hn::Sqrt(distance2);
+      const auto inverse = hn::Div(one, distance);
+      to_light = {hn::Mul(offset.x, inverse), hn::Mul(offset.y, inverse),
+                  hn::Mul(offset.z, inverse)};
+      attenuation = hn::Div(one, distance2);
+      if (light.range_m < kInfinity) {
+        const auto ratio = hn::Div(distance, hn::Set(d, light.range_m));
+        const auto ratio2 = hn::Mul(ratio, ratio);
+        const auto window = hn::Max(hn::Min(hn::Sub(one, hn::Mul(ratio2, ratio2)), one), zero);
+        attenuation = hn::Mul(attenuation, window);
+      }
+      if (light.type == LightType::Spot) {
+        const Vec3Of<D> axis{hn::Set(d, -light.direction.x), hn::Set(d, -light.direction.y),
+                             hn::Set(d, -light.direction.z)};
+        const auto cone =
+            hn::Max(hn::Min(hn::Add(hn::Mul(Dot3(d, to_light, axis), hn::Set(d, light.spot_scale)),
+                                    hn::Set(d, light.spot_offset)),
+                            one),
+                    zero);
+        attenuation = hn::Mul(attenuation, hn::Mul(cone, cone));
+      }
+    }
+    const auto cos_light = Dot3(d, normal, to_light);
+    const auto sees_light =
+        hn::And(hn::Gt(cos_light, zero), hn::Gt(hn::Mul(side, Dot3(d, outward, to_light)), zero));
+
+    auto reflected = hn::Mul(hn::Load(d, shading.diffuse.v + i), inverse_pi);
+    if (has_rough_lobe) {
+      const Vec3Of<D> to_view{hn::Neg(view.x), hn::Neg(view.y), hn::Neg(view.z)};
+      const auto half = Normalized3(d, Combine3(d, one, to_light, one, to_view));
+      const auto cos_half = hn::Min(hn::Max(Dot3(d, normal, half), zero), one);
+      const auto cos_view_half = hn::Min(hn::Max(Dot3(d, to_view, half), zero), one);
+      const auto cos_view = hn::Max(hn::Load(d, shading.cos_incident.v + i), hn::Set(d, 1e-4f));
+      const auto roughness = hn::Max(hn::Load(d, at.roughness.v + i), hn::Set(d, kSmoothRoughness));
+      const auto alpha = hn::Mul(roughness, roughness);
+      const auto alpha2 = hn::Mul(alpha, alpha);
+      const auto bracket = hn::Add(hn::Mul(hn::Mul(cos_half, cos_half), hn::Sub(alpha2, one)), one);
+      const auto distribution = hn::Div(hn::Mul(alpha2, inverse_pi), hn::Mul(bracket, bracket));
+      const auto masking = [&](auto cosine) {
+        return hn::Sqrt(hn::Add(hn::Mul(hn::Mul(cosine, cosine), hn::Sub(one, alpha2)), alpha2));
+      };
+      const auto cos_light_positive = hn::Max(cos_light, hn::Set(d, 1e-6f));
+      const auto visibility =
+          hn::Div(hn::Set(d, 0.5f), hn::Add(hn::Mul(cos_light_positive, masking(cos_view)),
+                                            hn::Mul(cos_view, masking(cos_light_positive))));
+      auto cos_transmitted = one;
+      auto fresnel = DielectricReflectance(d, cos_view_half, hn::Load(d, shading.eta_ti.v + i),
+                                           &cos_transmitted);
+      if (infinite_index) fresnel = one;
+      const auto metallic = hn::Load(d, at.metallic.v + i);
+      const auto metal = MetalReflectance(d, rows, i, hn::Load(d, at.base_color.v + i),
+                                          RowOr(d, rows.n_medium, i, 1.0f), cos_view_half);
+      fresnel = hn::Add(hn::Mul(hn::Sub(one, metallic), fresnel), hn::Mul(metallic, metal));
+      reflected = hn::Add(reflected, hn::Mul(fresnel, hn::Mul(distribution, visibility)));
+    }
+    const auto arriving = hn::Mul(hn::Mul(hn::LoadU(d, light_row + i), attenuation), cos_light);
+    const auto throughput =
+        hn::Mul(hn::Load(d, at.throughput.v + i), hn::Load(d, shading.inverse_n2.v + i));
+    const auto light_out =
+        hn::IfThenElseZero(sees_light, hn::Mul(hn::Mul(throughput, arriving), reflected));
+    hn::StoreU(light_out, d, contribution + i);
+    any |= !hn::AllTrue(d, hn::Eq(light_out, zero));
+    Store3(d, to_light, geometry.direction, i);
+    hn::Store(distance, d, geometry.distance_m.v + i);
+  }
+  return any;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace abbe
+HWY_AFTER_NAMESPACE();
+
+#endif  // ABBE_INTEGRATE_SHADE_INL_H_

@@ -1,0 +1,898 @@
+/// The loop over batches of fans. Highway code, compiled once per instruction set.
+
+#if defined(ABBE_INTEGRATE_TRACER_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ABBE_INTEGRATE_TRACER_INL_H_
+#undef ABBE_INTEGRATE_TRACER_INL_H_
+#else
+#define ABBE_INTEGRATE_TRACER_INL_H_
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "integrate/buffers.h"
+#include "integrate/integrator.h"
+#include "integrate/material_sample.h"
+#include "integrate/passage.h"
+#include "integrate/shade-inl.h"
+#include "math/sampling.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace abbe {
+namespace HWY_NAMESPACE {
+
+/// What a boundary does to the stack of media.
+enum class Crossing : std::uint8_t {
+  None,    ///< Opaque: there is no other side.
+  Thin,    ///< A sheet in one medium.
+  Enter,   ///< Into the material's medium.
+  Leave,   ///< Out of it.
+  Hidden,  ///< Out of a medium inside which another one has begun: no boundary for light.
+};
+
+template <class D>
+class Tracer {
+ public:
+  Tracer(const World& world, const IntegratorSettings& settings,
+         std::span<const CameraSample> samples, std::span<FirstHit> first_hits,
+         IntegratorStats& stats, IntegratorScratch::Buffers& buffers,
+         std::vector<FanRecord>* recorder)
+      : world_(world),
+        settings_(settings),
+        samples_(samples),
+        first_hits_(first_hits),
+        stats_(stats),
+        b_(buffers),
+        recorder_(recorder),
+        stride_(world.lanes.lane_stride()) {}
+
+  void run(std::span<float> radiance) {
+    b_.local_light.assign(radiance.size(), 0.0f);
+    b_.direct_light.assign(radiance.size(), 0.0f);
+    FanList list = take_list();
+    for (std::size_t i = 0; i < samples_.size(); ++i) start(list, static_cast<std::uint32_t>(i));
+    run_generations(std::move(list));
+    for (std::size_t i = 0; i < radiance.size(); ++i) {
+      radiance[i] = b_.local_light[i] + b_.direct_light[i];
+    }
+  }
+
+ private:
+  static constexpr std::size_t kBatch = 256;
+
+  FanList take_list() {
+    if (b_.spare_lists.empty()) return {};
+    FanList list = std::move(b_.spare_lists.back());
+    b_.spare_lists.pop_back();
+    list.clear();
+    return list;
+  }
+
+  void start(FanList& list, std::uint32_t sample) {
+    Fan fan;
+    fan.origin = samples_[sample].origin;
+    fan.direction = samples_[sample].direction;
+    fan.lanes = LaneMask::first(world_.lanes.lane_count());
+    fan.path = hash64(samples_[sample].seed);
+    fan.sample = sample;
+    fan.data = list.reserve_lanes(false, stride_);
+    for (int lane = 0; lane < stride_; ++lane) {
+      list.pool[fan.data + lane] = lane < world_.lanes.lane_count() ? 1.0f : 0.0f;
+    }
+    list.fans.push_back(fan);
+    ++stats_.camera_rays;
+    stats_.weight_started += 1.0;
+  }
+
+  // Fans of one sample stay together and in order, so that a list can be cut between samples: what
+  // one sample adds up to does not depend on the others in the list.
+  void run_generations(FanList list) {
+    const std::size_t waiting_before = waiting_;
+    while (!list.fans.empty()) {
+      if (list.fans.size() > settings_.queue_capacity &&
+          list.fans.front().sample != list.fans.back().sample) {
+        FanList rest = split_off_rest(list);
+        waiting_ += rest.fans.size();
+        run_generations(std::move(list));
+        waiting_ -= rest.fans.size();
+        list = std::move(rest);
+        continue;
+      }
+      FanList next = take_list();
+      for (std::size_t first = 0; first < list.fans.size(); first += kBatch) {
+        run_batch(list, first, std::min(list.fans.size(), first + kBatch), next);
+      }
+      stats_.peak_queued_fans = std::max<std::uint64_t>(
+          stats_.peak_queued_fans, waiting_ + list.fans.size() + next.fans.size());
+      std::swap(list, next);
+      b_.spare_lists.push_back(std::move(next));
+    }
+    waiting_ = waiting_before;
+    std::size_t bytes = list.bytes();
+    for (const FanList& spare : b_.spare_lists) bytes += spare.bytes();
+    stats_.peak_queue_bytes = std::max<std::uint64_t>(stats_.peak_queue_bytes, bytes);
+    b_.spare_lists.push_back(std::move(list));
+  }
+
+  FanList split_off_rest(FanList& list) {
+    // The boundary between samples nearest to the middle.
+    std::size_t cut = list.fans.size() / 2;
+    while (cut > 0 && list.fans[cut - 1].sample == list.fans[cut].sample) --cut;
+    if (cut == 0) {
+      cut = list.fans.size() / 2;
+      while (list.fans[cut - 1].sample == list.fans[cut].sample) ++cut;
+    }
+    FanList rest = take_list();
+    const std::size_t first_lane = list.fans[cut].data;
+    rest.pool.assign(list.pool.begin() + static_cast<std::ptrdiff_t>(first_lane), list.pool.end());
+    for (std::size_t i = cut; i < list.fans.size(); ++i) {
+      rest.fans.push_back(list.fans[i]);
+      rest.fans.back().data -= static_cast<std::uint32_t>(first_lane);
+    }
+    list.fans.resize(cut);
+    list.pool.resize(first_lane);
+    return rest;
+  }
+
+  void run_batch(const FanList& list, std::size_t first, std::size_t last, FanList& next) {
+    find_hits(list, first, last);
+    b_.shadow_jobs.clear();
+    b_.shadow_data.clear();
+    b_.shadow_rays.clear();
+    b_.shadow_packets.clear();
+    for (std::size_t i = first; i < last; ++i) {
+      const Fan& fan = list.fans[i];
+      const std::uint32_t query = b_.first_query[i - first];
+      if (fan.spread) {
+        ++stats_.spread_fans;
+        stats_.spread_lanes += static_cast<std::uint64_t>(fan.lanes.count());
+        shade_spread(fan, list, query, next);
+      } else {
+        ++stats_.united_fans;
+        shade_united(fan, list, b_.hits[query], next);
+      }
+    }
+    light_up();
+  }
+
+  void find_hits(const FanList& list, std::size_t first, std::size_t last) {
+    b_.rays.clear();
+    b_.packets.clear();
+    b_.first_query.clear();
+    for (std::size_t i = first; i < last; ++i) {
+      const Fan& fan = list.fans[i];
+      if (!fan.spread) {
+        b_.first_query.push_back(static_cast<std::uint32_t>(b_.rays.size()));
+        b_.rays.push_back({fan.origin, kInfinity, fan.direction});
+        continue;
+      }
+      b_.first_query.push_back(static_cast<std::uint32_t>(b_.packets.size()));
+      const float* lanes = list.pool.data() + fan.data + stride_;
+      for (int block = 0; block * kPacketLanes < stride_; ++block) {
+        b_.packets.emplace_back();
+        fill_packet(b_.packets.back(), lanes, block, fan);
+      }
+    }
+    b_.hits.resize(b_.rays.size());
+    b_.packet_hits.resize(b_.packets.size());
+    if (!b_.rays.empty()) {
+      world_.tree.closest_hits(std::span<const Ray>(b_.rays), kAllBits, std::span<Hit>(b_.hits));
+    }
+    if (!b_.packets.empty()) {
+      world_.tree.closest_hits(std::span<const RayPacket>(b_.packets), kAllBits,
+                               std::span<HitPacket>(b_.packet_hits));
+    }
+  }
+
+  void fill_packet(RayPacket& packet, const float* lanes, int block, const Fan& fan) const {
+    const int begin = block * kPacketLanes;
+    const int count = std::min(kPacketLanes, stride_ - begin);
+    float* arrays[6] = {packet.origin_x,    packet.origin_y,    packet.origin_z,
+                        packet.direction_x, packet.direction_y, packet.direction_z};
+    for (int a = 0; a < 6; ++a) {
+      const float* source = lanes + a * stride_ + begin;
+      std::copy(source, source + count, arrays[a]);
+      // Lanes beyond the fan repeat the first: they are inactive, but have to be numbers.
+      std::fill(arrays[a] + count, arrays[a] + kPacketLanes, source[0]);
+    }
+    std::fill(packet.t_max, packet.t_max + kPacketLanes, kInfinity);
+    packet.active = fan.lanes.block16(block);
+    packet.common_origin = fan.common_origin;
+  }
+
+  void splat(LaneArray& a, float value) const {
+    const D d;
+    const auto v = hn::Set(d, value);
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) hn::Store(v, d, a.v + i);
+  }
+  void splat(LaneArray3& a, const Vec3f& value) const {
+    splat(a.x, value.x);
+    splat(a.y, value.y);
+    splat(a.z, value.z);
+  }
+
+  void shade_united(const Fan& fan, const FanList& list, const Hit& hit, FanList& next) {
+    if (!hit.is_hit()) {
+      record_miss(fan);
+      return;
+    }
+    SurfacePoint& point = b_.points[0];
+    point = surface_point(world_, fan.origin, fan.direction, hit);
+    Interaction& at = b_.at;
+    splat(at.position, point.position);
+    splat(at.direction, fan.direction);
+    splat(at.outward, point.normal);
+    const bool front = glm::dot(fan.direction, point.normal) < 0.0f;
+    splat(at.normal, front ? point.shading_normal : -point.shading_normal);
+    splat(at.offset_m, point.offset_m);
+    splat(at.distance_m, hit.t);
+    const float* throughput = list.pool.data() + fan.data;
+    std::copy(throughput, throughput + stride_, at.throughput.v);
+    if (fan.depth == 0 && !first_hits_.empty()) keep_first_hit(fan, point, hit.t);
+    shade(fan, fan.lanes, point.surface, front, next);
+  }
+
+  void shade_spread(const Fan& fan, const FanList& list, std::uint32_t first_packet,
+                    FanList& next) {
+    const float* pool = list.pool.data() + fan.data;
+    const auto lane_vector = [&](int first_array, int lane) {
+      const float* p = pool + first_array * stride_ + lane;
+      return Vec3f(p[0], p[stride_], p[2 * stride_]);
+    };
+    LaneMask left;  // Lanes that hit something and are not shaded yet.
+    std::uint32_t key[kMaxLanes];
+    float distance_m[kMaxLanes];
+    LaneMask missed;
+    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
+      if (!fan.lanes.test(lane)) continue;
+      const HitPacket& packet = b_.packet_hits[first_packet + lane / kPacketLanes];
+      const int i = lane % kPacketLanes;
+      const Hit hit{packet.t[i], packet.primitive[i], packet.u[i], packet.v[i]};
+      if (!hit.is_hit()) {
+        missed.set(lane);
+        continue;
+      }
+      const Vec3f direction = lane_vector(4, lane);
+      b_.points[lane] = surface_point(world_, lane_vector(1, lane), direction, hit);
+      const bool front = glm::dot(direction, b_.points[lane].normal) < 0.0f;
+      key[lane] = 2 * b_.points[lane].surface + (front ? 1 : 0);
+      distance_m[lane] = hit.t;
+      left.set(lane);
+    }
+    if (missed.any()) record_miss(fan);
+    while (left.any()) {
+      const int leader = left.front();
+      LaneMask group;
+      for (int lane = leader; lane < world_.lanes.lane_count(); ++lane) {
+        if (left.test(lane) && key[lane] == key[leader]) group.set(lane);
+      }
+      Interaction& at = b_.at;
+      for (int lane = 0; lane < stride_; ++lane) {
+        const bool member = lane < world_.lanes.lane_count() && group.test(lane);
+        // Other lanes take the leader's geometry, so that all numbers are sane, and no throughput.
+        const int source = member ? lane : leader;
+        const SurfacePoint& point = b_.points[source];
+        const Vec3f direction = lane_vector(4, source);
+        const bool front = (key[source] & 1) != 0;
+        at.position.set(lane, point.position);
+        at.direction.set(lane, direction);
+        at.outward.set(lane, point.normal);
+        at.normal.set(lane, front ? point.shading_normal : -point.shading_normal);
+        at.offset_m[lane] = point.offset_m;
+        at.distance_m[lane] = distance_m[source];
+        at.throughput[lane] = member ? pool[lane] : 0.0f;
+        if (member) left.reset(lane);
+      }
+      shade(fan, group, key[leader] / 2, (key[leader] & 1) != 0, next);
+    }
+  }
+
+  // Everything that a surface does to a group of lanes, which lie in b_.at.
+  void shade(const Fan& fan, const LaneMask& lanes, std::uint32_t surface, bool front,
+             FanList& next) {
+    const D d;
+    const int step = static_cast<int>(hn::Lanes(d));
+    const int set = samples_[fan.sample].set;
+    const std::uint32_t number = world_.surfaces[surface].material;
+    const SurfaceMaterial& material = world_.materials[number];
+    Interaction& at = b_.at;
+    const int leader = lanes.front();
+    const float path_length_m = fan.path_length_m + at.distance_m[leader];
+    fill_material(fan, lanes, material, path_length_m);
+
+    // The medium of arrival and what lies behind the surface.
+    Crossing crossing = Crossing::None;
+    MediumStack behind = fan.media;
+    bool unknown_inside = false;
+    if (material.transmission == Transmission::ThinSheet) {
+      crossing = Crossing::Thin;
+    } else if (material.transmission == Transmission::Medium) {
+      if (front) {
+        crossing = Crossing::Enter;
+        behind.push(number);
+      } else {
+        // A ray that began inside, unknown to its stack, still has to get out.
+        unknown_inside = !fan.media.contains(number);
+        const bool is_top = unknown_inside || fan.media.top() == number;
+        crossing = is_top ? Crossing::Leave : Crossing::Hidden;
+        behind.remove(number);
+      }
+    }
+    const SurfaceMaterial* inside = unknown_inside      ? &material
+                                    : fan.media.empty() ? nullptr
+                                                        : &world_.materials[fan.media.top()];
+    const auto index_row = [&](const SurfaceMaterial* medium) {
+      return medium != nullptr ? world_.row(medium->index, set) : nullptr;
+    };
+    BoundaryRows rows;
+    rows.n_medium = index_row(inside);
+    rows.n_incident = rows.n_medium;
+    rows.n_transmitted = index_row(&material);
+    if (crossing == Crossing::Leave) {
+      rows.n_transmitted = index_row(behind.empty() ? nullptr : &world_.materials[behind.top()]);
+    }
+    if (material.is_conductor) {
+      rows.conductor_n = world_.row(material.conductor_n, set);
+      rows.conductor_k = world_.row(material.conductor_k, set);
+    }
+    if (inside != nullptr && inside->absorption_per_m) {
+      const float* absorption = world_.row(*inside->absorption_per_m, set);
+      for (int i = 0; i < stride_; i += step) {
+        const auto depth = hn::Mul(hn::LoadU(d, absorption + i), hn::Load(d, at.distance_m.v + i));
+        hn::Store(hn::Mul(hn::Load(d, at.throughput.v + i), ExpNegative(d, depth)), d,
+                  at.throughput.v + i);
+      }
+    }
+
+    FanRecord* record = start_record(fan, lanes, surface, front);
+    const std::uint32_t record_number =
+        recorder_ != nullptr ? static_cast<std::uint32_t>(recorder_->size()) : 0;
+    if (material.alpha_mode != AlphaMode::Opaque) {
+      pass_through(fan, lanes, path_length_m, record_number, next);
+    }
+    const bool hidden = crossing == Crossing::Hidden;
+    ShadeLanes(d, stride_, rows, material.index_is_infinite, hidden, crossing == Crossing::Thin, at,
+               shading_);
+    add_local_light(fan, material, hidden, set);
+    if (material.unlit) return;
+    if (record != nullptr) fill_record(*record, crossing, rows);
+
+    const bool rough = at.roughness[leader] >= kSmoothRoughness;
+    if (!hidden) {
+      send_to_lights(fan, lanes, material, rows, rough, record_number);
+      // The coherent ray of a rough opaque dielectric is a faint blur that its lobe stands for.
+      const bool coherent = !rough || at.metallic[leader] > 0.0f || at.transmission[leader] > 0.0f;
+      if (!coherent) return;
+      if (rough) use_microfacets(fan, lanes, rows, material, crossing);
+    }
+    branch(fan, lanes, crossing, behind, path_length_m, record_number, next);
+  }
+
+  void fill_material(const Fan& fan, const LaneMask& lanes, const SurfaceMaterial& material,
+                     float path_length_m) {
+    const CameraSample& sample = samples_[fan.sample];
+    const float footprint_m = sample.footprint_m + sample.footprint_per_m * path_length_m;
+    const bool varies = material.is_textured() ||
+                        world_.surfaces[b_.points[lanes.front()].surface].colors_offset.has_value();
+    Interaction& at = b_.at;
+    const D d;
+    const int step = static_cast<int>(hn::Lanes(d));
+    const int set = sample.set;
+    const float* base_row = world_.row(material.base_color, set);
+    const float* emission_row = material.emission ? world_.row(*material.emission, set) : nullptr;
+    if (!varies || !fan.spread) {
+      const int leader = fan.spread ? lanes.front() : 0;
+      const MaterialSample here = material_sample(world_, material, b_.points[leader], footprint_m);
+      splat(at.metallic, here.metallic);
+      splat(at.roughness, here.roughness);
+      splat(at.transmission, here.transmission * (here.metallic < 1.0f ? 1.0f : 0.0f));
+      splat(at.alpha, here.alpha);
+      fill_color(here.base_color, base_row, set, at.base_color);
+      if (!material.emission) {
+        splat(at.emission, 0.0f);
+      } else {
+        fill_color(here.emission,
+                   here.emission.uses_row ? emission_row : world_.row(world_.d65, set), set,
+                   at.emission);
+        if (here.emission.uses_lookup && world_.lanes.quadrature() != nullptr) {
+          const float* d65 = world_.row(world_.d65, set);
+          for (int i = 0; i < stride_; i += step) {
+            hn::Store(hn::Mul(hn::Load(d, at.emission.v + i),
+                              hn::Mul(hn::Set(d, here.emission_scale), hn::LoadU(d, d65 + i))),
+                      d, at.emission.v + i);
+          }
+        }
+      }
+      return;
+    }
+    const float* d65 = world_.row(world_.d65, set);
+    for (int lane = 0; lane < stride_; ++lane) {
+      const bool member = lane < world_.lanes.lane_count() && lanes.test(lane);
+      const MaterialSample here =
+          material_sample(world_, material, b_.points[member ? lane : lanes.front()], footprint_m);
+      at.metallic[lane] = here.metallic;
+      at.roughness[lane] = here.roughness;
+      at.transmission[lane] = here.metallic < 1.0f ? here.transmission : 0.0f;
+      at.alpha[lane] = here.alpha;
+      at.base_color[lane] = lane_color(here.base_color, base_row, set, lane);
+      at.emission[lane] = 0.0f;
+      if (!material.emission) continue;
+      at.emission[lane] = lane_color(here.emission, emission_row, set, lane);
+      if (here.emission.uses_lookup && world_.lanes.quadrature() != nullptr) {
+        at.emission[lane] *= here.emission_scale * d65[lane];
+      }
+    }
+  }
+
+  void fill_color(const ColorSample& color, const float* row, int set, LaneArray& out) const {
+    const D d;
+    if (color.uses_lookup && world_.lanes.quadrature() == nullptr) {
+      for (int lane = 0; lane < stride_; ++lane) out[lane] = lane_color(color, row, set, lane);
+      return;
+    }
+    const float* abscissa = world_.row(world_.uplift_abscissa, set);
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      auto value = color.uses_row ? hn::LoadU(d, row + i) : hn::Set(d, 1.0f);
+      if (color.uses_lookup) {
+        value =
+            hn::Mul(value, SigmoidValue(d, hn::Set(d, color.lookup.x), hn::Set(d, color.lookup.y),
+                                        hn::Set(d, color.lookup.z), hn::LoadU(d, abscissa + i)));
+      }
+      hn::Store(value, d, out.v + i);
+    }
+  }
+
+  float lane_color(const ColorSample& color, const float* row, int set, int lane) const {
+    const float value = color.uses_row ? row[lane] : 1.0f;
+    if (!color.uses_lookup) return value;
+    if (world_.lanes.quadrature() == nullptr) return value * color.lookup[std::min(lane, 2)];
+    const float s = world_.row(world_.uplift_abscissa, set)[lane];
+    const float x = (color.lookup.x * s + color.lookup.y) * s + color.lookup.z;
+    return value * (0.5f + 0.5f * x / std::sqrt(1.0f + x * x));
+  }
+
+  // Emission, and ambient light: k_a defaults to the albedo that diffuse reflection has.
+  void add_local_light(const Fan& fan, const SurfaceMaterial& material, bool hidden, int set) {
+    const bool ambient = world_.ambient && !hidden && !material.unlit;
+    if (!material.emission && !ambient) return;
+    const D d;
+    float* sum = b_.local_light.data() + static_cast<std::size_t>(fan.sample) * stride_;
+    const float* ambient_row = ambient ? world_.row(*world_.ambient, set) : nullptr;
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      auto light = hn::Load(d, b_.at.emission.v + i);
+      if (ambient) {
+        const auto k_a = material.ambient_factor ? hn::Set(d, *material.ambient_factor)
+                                                 : hn::Load(d, shading_.diffuse.v + i);
+        light = hn::Add(light, hn::Mul(k_a, hn::LoadU(d, ambient_row + i)));
+      }
+      const auto throughput =
+          hn::Mul(hn::Load(d, b_.at.throughput.v + i), hn::Load(d, shading_.inverse_n2.v + i));
+      hn::StoreU(hn::Add(hn::LoadU(d, sum + i), hn::Mul(throughput, light)), d, sum + i);
+    }
+  }
+
+  void send_to_lights(const Fan& fan, const LaneMask& lanes, const SurfaceMaterial& material,
+                      const BoundaryRows& rows, bool rough, std::uint32_t record_number) {
+    const D d;
+    const int set = samples_[fan.sample].set;
+    for (const WorldLight& light : world_.lights) {
+      const std::uint32_t data = static_cast<std::uint32_t>(b_.shadow_data.size());
+      b_.shadow_data.resize(data + 2 * static_cast<std::size_t>(stride_), 1.0f);
+      if (!LightLanes(d, stride_, light, world_.row(light.row, set), rows,
+                      material.index_is_infinite, rough, b_.at, shading_, to_light_,
+                      b_.shadow_data.data() + data)) {
+        b_.shadow_data.resize(data);
+        continue;
+      }
+      ShadowJob job;
+      job.sample = fan.sample;
+      job.data = data;
+      job.record = record_number;
+      job.media = fan.media;
+      job.spread = fan.spread;
+      const float* contribution = b_.shadow_data.data() + data;
+      for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
+        if (lanes.test(lane) && contribution[lane] != 0.0f) job.lanes.set(lane);
+      }
+      if (!job.lanes.any()) {
+        b_.shadow_data.resize(data);
+        continue;
+      }
+      if (!fan.spread) {
+        job.first_query = static_cast<std::uint32_t>(b_.shadow_rays.size());
+        b_.shadow_rays.push_back(shadow_ray(0));
+        ++stats_.shadow_rays;
+      } else {
+        job.first_query = static_cast<std::uint32_t>(b_.shadow_packets.size());
+        for (int block = 0; block * kPacketLanes < stride_; ++block) {
+          add_shadow_packet(job.lanes, block);
+        }
+        stats_.shadow_rays += static_cast<std::uint64_t>(job.lanes.count());
+      }
+      b_.shadow_jobs.push_back(job);
+    }
+  }
+
+  // From just off the surface, on the side of the light, up to the light.
+  Ray shadow_ray(int lane) const {
+    const Vec3f direction = to_light_.direction.get(lane);
+    const Vec3f outward = b_.at.outward.get(lane);
+    const float side = glm::dot(direction, outward) < 0.0f ? -1.0f : 1.0f;
+    const float offset_m = b_.at.offset_m[lane];
+    Ray ray;
+    ray.origin = b_.at.position.get(lane) + (side * offset_m) * outward;
+    ray.direction = direction;
+    ray.t_max = to_light_.distance_m[lane];
+    return ray;
+  }
+
+  void add_shadow_packet(const LaneMask& lanes, int block) {
+    RayPacket& packet = b_.shadow_packets.emplace_back();
+    packet.active = lanes.block16(block);
+    for (int i = 0; i < kPacketLanes; ++i) {
+      const Ray ray = shadow_ray(std::min(block * kPacketLanes + i, stride_ - 1));
+      packet.origin_x[i] = ray.origin.x;
+      packet.origin_y[i] = ray.origin.y;
+      packet.origin_z[i] = ray.origin.z;
+      packet.direction_x[i] = ray.direction.x;
+      packet.direction_y[i] = ray.direction.y;
+      packet.direction_z[i] = ray.direction.z;
+      packet.t_max[i] = ray.t_max;
+    }
+  }
+
+  // All shadow rays of the batch, and the light they let through.
+  void light_up() {
+    if (b_.shadow_jobs.empty()) return;
+    b_.shadow_ray_occluded.resize(b_.shadow_rays.size());
+    b_.shadow_packet_occluded.resize(b_.shadow_packets.size());
+    if (!b_.shadow_rays.empty()) {
+      world_.tree.any_hits(std::span<const Ray>(b_.shadow_rays), kOpaqueBit,
+                           std::span<std::uint8_t>(b_.shadow_ray_occluded));
+    }
+    if (!b_.shadow_packets.empty()) {
+      world_.tree.any_hits(std::span<const RayPacket>(b_.shadow_packets), kOpaqueBit,
+                           std::span<std::uint32_t>(b_.shadow_packet_occluded));
+    }
+    for (const ShadowJob& job : b_.shadow_jobs) {
+      float* visibility = b_.shadow_data.data() + job.data + stride_;
+      for (int lane = 0; lane < stride_; ++lane) {
+        const bool blocked =
+            job.spread ? (b_.shadow_packet_occluded[job.first_query + lane / kPacketLanes] >>
+                          (lane % kPacketLanes)) &
+                             1u
+                       : b_.shadow_ray_occluded[job.first_query] != 0;
+        visibility[lane] = blocked ? 0.0f : 1.0f;
+      }
+    }
+    if (world_.has_transparent) attenuate_by_transparent(world_, samples_, b_, stats_);
+    const D d;
+    for (const ShadowJob& job : b_.shadow_jobs) {
+      const float* light = b_.shadow_data.data() + job.data;
+      const float* visibility = light + stride_;
+      float* sum = b_.direct_light.data() + static_cast<std::size_t>(job.sample) * stride_;
+      for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+        const auto arrived = hn::Mul(hn::LoadU(d, light + i), hn::LoadU(d, visibility + i));
+        hn::StoreU(hn::Add(hn::LoadU(d, sum + i), arrived), d, sum + i);
+      }
+      if (recorder_ != nullptr && job.record != 0) {
+        float total = 0.0f;
+        for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
+          total += light[lane] * visibility[lane];
+        }
+        (*recorder_)[job.record - 1].direct_light +=
+            total / static_cast<float>(world_.lanes.lane_count());
+      }
+    }
+  }
+
+  // Replaces the directions of the coherent rays by those of one microfacet normal, drawn once for
+  // all lanes, and weighs them with the share of light that its neighbours let by.
+  void use_microfacets(const Fan& fan, const LaneMask& lanes, const BoundaryRows& rows,
+                       const SurfaceMaterial& material, Crossing crossing) {
+    const std::uint64_t bits = hash64(fan.path ^ 0x6d6963726f66ull);
+    const Vec2f u{unit_float(static_cast<std::uint32_t>(bits)),
+                  unit_float(static_cast<std::uint32_t>(bits >> 32))};
+    Interaction& at = b_.at;
+    LaneArray3& kept_normal = saved_normal_;
+    kept_normal = at.normal;
+    LaneArray alpha;
+    const int last = fan.spread ? stride_ : 1;
+    for (int lane = 0; lane < last; ++lane) {
+      const int source =
+          lane < world_.lanes.lane_count() && lanes.test(lane) ? lane : lanes.front();
+      const float roughness = std::max(at.roughness[source], kSmoothRoughness);
+      alpha[lane] = roughness * roughness;
+      const Basis basis(kept_normal.get(source));
+      Vec3f view = basis.to_local(-at.direction.get(source));
+      view.z = std::max(view.z, 1e-4f);
+      at.normal.set(lane,
+                    basis.to_world(sample_visible_normal(glm::normalize(view), alpha[lane], u)));
+    }
+    if (!fan.spread) {
+      splat(at.normal, at.normal.get(0));
+      splat(alpha, alpha[0]);
+    }
+    const D d;
+    ShadeLanes(d, stride_, rows, material.index_is_infinite, false, crossing == Crossing::Thin, at,
+               shading_);
+    for (int lane = 0; lane < stride_; ++lane) {
+      const Vec3f normal = kept_normal.get(lane);
+      const float cos_reflected = glm::dot(shading_.reflected.get(lane), normal);
+      const float cos_refracted = -glm::dot(shading_.refracted.get(lane), normal);
+      shading_.k_r[lane] *=
+          cos_reflected > 0.0f ? ggx_masking(std::min(cos_reflected, 1.0f), alpha[lane]) : 0.0f;
+      shading_.k_t[lane] *=
+          cos_refracted > 0.0f ? ggx_masking(std::min(cos_refracted, 1.0f), alpha[lane]) : 0.0f;
+    }
+    at.normal = kept_normal;
+  }
+
+  float weight_of(const LaneArray& throughput, int set) const {
+    const float* importance = world_.importance.data() + static_cast<std::size_t>(set) * stride_;
+    float sum = 0.0f;
+    for (int lane = 0; lane < stride_; ++lane) sum += throughput[lane] * importance[lane];
+    return sum;
+  }
+
+  // The share of light that a partly transparent surface lets by goes straight on.
+  void pass_through(const Fan& fan, const LaneMask& lanes, float path_length_m,
+                    std::uint32_t record_number, FanList& next) {
+    Interaction& at = b_.at;
+    bool any = false;
+    for (int lane = 0; lane < stride_; ++lane) {
+      const float alpha = at.alpha[lane];
+      reflected_[lane] = at.throughput[lane] * (1.0f - alpha);
+      at.throughput[lane] *= alpha;
+      any |= reflected_[lane] > 0.0f;
+    }
+    if (!any) return;
+    const float weight = weight_of(reflected_, samples_[fan.sample].set);
+    if (fan.depth >= settings_.max_depth) {
+      stats_.weight_lost_to_depth += static_cast<double>(weight);
+      return;
+    }
+    add_child(fan, lanes, FanOrigin::Passed, fan.media, at.direction, fan.spread, reflected_,
+              weight, path_length_m, record_number, next);
+  }
+
+  // The reflected and the refracted child, or below the cutoff one of them for the whole fan.
+  void branch(const Fan& fan, const LaneMask& lanes, Crossing crossing, const MediumStack& behind,
+              float path_length_m, std::uint32_t record_number, FanList& next) {
+    Interaction& at = b_.at;
+    const int set = samples_[fan.sample].set;
+    LaneArray& reflected = reflected_;
+    LaneArray& refracted = refracted_;
+    const bool refracts = crossing != Crossing::None;
+    for (int lane = 0; lane < stride_; ++lane) {
+      reflected[lane] = at.throughput[lane] * shading_.k_r[lane];
+      refracted[lane] = refracts ? at.throughput[lane] * shading_.k_t[lane] : 0.0f;
+    }
+    float reflected_weight = weight_of(reflected, set);
+    float refracted_weight = refracts ? weight_of(refracted, set) : 0.0f;
+    const float weight = reflected_weight + refracted_weight;
+    if (!(weight > 0.0f)) return;
+    if (fan.depth >= settings_.max_depth) {
+      stats_.weight_lost_to_depth += static_cast<double>(weight);
+      return;
+    }
+    if (settings_.drop) {
+      const auto drop_faint = [&](float& child) {
+        if (child >= settings_.cutoff) return;
+        stats_.weight_lost_to_cutoff += static_cast<double>(child);
+        child = 0.0f;
+      };
+      drop_faint(reflected_weight);
+      drop_faint(refracted_weight);
+    } else if (weight < settings_.cutoff && reflected_weight > 0.0f && refracted_weight > 0.0f) {
+      // One random number for the whole fan, tied to its path: what noise this makes is the same in
+      // all its lanes.
+      const float u = unit_float(static_cast<std::uint32_t>(hash64(fan.path ^ 0x6272616e6368ull)));
+      const float p = reflected_weight / weight;
+      const bool take_reflected = u < p;
+      LaneArray& kept = take_reflected ? reflected : refracted;
+      const float scale = 1.0f / (take_reflected ? p : 1.0f - p);
+      for (int lane = 0; lane < stride_; ++lane) kept[lane] *= scale;
+      reflected_weight = take_reflected ? weight : 0.0f;
+      refracted_weight = take_reflected ? 0.0f : weight;
+    }
+    if (refracted_weight > 0.0f) {
+      const bool straight = crossing == Crossing::Thin || crossing == Crossing::Hidden;
+      const bool spreads = fan.spread || (!straight && !same_in_all_lanes(lanes));
+      add_child(fan, lanes, FanOrigin::Refracted, behind, shading_.refracted, spreads, refracted,
+                refracted_weight, path_length_m, record_number, next);
+    }
+    if (reflected_weight > 0.0f) {
+      add_child(fan, lanes, FanOrigin::Reflected, fan.media, shading_.reflected, fan.spread,
+                reflected, reflected_weight, path_length_m, record_number, next);
+    }
+  }
+
+  // Whether a united fan stays united when it refracts: there is one index for all its lanes.
+  bool same_in_all_lanes(const LaneMask& lanes) const {
+    const float eta = shading_.eta_ti[lanes.front()];
+    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
+      if (lanes.test(lane) && shading_.eta_ti[lane] != eta) return false;
+    }
+    return true;
+  }
+
+  void add_child(const Fan& parent, const LaneMask& lanes, FanOrigin made_by,
+                 const MediumStack& media, const LaneArray3& directions, bool spread,
+                 const LaneArray& throughput, float weight, float path_length_m,
+                 std::uint32_t record_number, FanList& next) {
+    const Interaction& at = b_.at;
+    Fan fan;
+    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
+      if (lanes.test(lane) && throughput[lane] > 0.0f) fan.lanes.set(lane);
+    }
+    fan.path = hash64(parent.path + static_cast<std::uint64_t>(made_by));
+    fan.sample = parent.sample;
+    fan.weight = weight;
+    fan.path_length_m = path_length_m;
+    fan.depth = static_cast<std::uint16_t>(parent.depth + 1);
+    fan.made_by = made_by;
+    // A fan of one lane is one ray.
+    fan.spread = spread && fan.lanes.count() > 1;
+    fan.common_origin = fan.spread && !parent.spread;
+    fan.media = media;
+    fan.parent_record = record_number;
+    fan.data = next.reserve_lanes(fan.spread, stride_);
+    float* out = next.pool.data() + fan.data;
+    for (int lane = 0; lane < stride_; ++lane) {
+      const bool member = lane < world_.lanes.lane_count() && fan.lanes.test(lane);
+      out[lane] = member ? throughput[lane] : 0.0f;
+    }
+    const D d;
+    if (fan.spread) {
+      const int step = static_cast<int>(hn::Lanes(d));
+      for (int i = 0; i < stride_; i += step) {
+        const auto direction = Load3(d, directions, i);
+        const auto outward = Load3(d, at.outward, i);
+        const auto position = Load3(d, at.position, i);
+        const auto inside = hn::Lt(Dot3(d, direction, outward), hn::Zero(d));
+        const auto offset = hn::Load(d, at.offset_m.v + i);
+        const auto signed_offset = hn::IfThenElse(inside, hn::Neg(offset), offset);
+        const auto origin = Combine3(d, hn::Set(d, 1.0f), position, signed_offset, outward);
+        hn::StoreU(origin.x, d, out + stride_ + i);
+        hn::StoreU(origin.y, d, out + 2 * stride_ + i);
+        hn::StoreU(origin.z, d, out + 3 * stride_ + i);
+        hn::StoreU(direction.x, d, out + 4 * stride_ + i);
+        hn::StoreU(direction.y, d, out + 5 * stride_ + i);
+        hn::StoreU(direction.z, d, out + 6 * stride_ + i);
+      }
+    } else {
+      const int lane = fan.lanes.front();
+      const Vec3f outward = at.outward.get(lane);
+      fan.direction = directions.get(lane);
+      const float side = glm::dot(fan.direction, outward) < 0.0f ? -1.0f : 1.0f;
+      fan.origin = at.position.get(lane) + (side * at.offset_m[lane]) * outward;
+    }
+    const std::uint64_t rays =
+        fan.spread ? static_cast<std::uint64_t>(fan.lanes.count()) : std::uint64_t{1};
+    switch (made_by) {
+      case FanOrigin::Reflected:
+        stats_.reflected_rays += rays;
+        break;
+      case FanOrigin::Refracted:
+        stats_.refracted_rays += rays;
+        break;
+      default:
+        stats_.passed_rays += rays;
+        break;
+    }
+    next.fans.push_back(fan);
+  }
+
+  void keep_first_hit(const Fan& fan, const SurfacePoint& point, float distance_m) {
+    FirstHit& hit = first_hits_[fan.sample];
+    const Surface& surface = world_.surfaces[point.surface];
+    const SurfaceMaterial& material = world_.materials[surface.material];
+    const CameraSample& sample = samples_[fan.sample];
+    hit.is_hit = true;
+    hit.position = point.position;
+    hit.normal =
+        glm::dot(fan.direction, point.normal) < 0.0f ? point.shading_normal : -point.shading_normal;
+    hit.uv = point.uv[0];
+    hit.distance_m = distance_m;
+    hit.object = surface.object;
+    hit.material = surface.material;
+    hit.albedo_rec709 = base_color_rec709(world_, material, point,
+                                          sample.footprint_m + sample.footprint_per_m * distance_m);
+  }
+
+  void record_miss(const Fan& fan) {
+    if (recorder_ == nullptr) return;
+    FanRecord record;
+    record.parent = fan.parent_record;
+    record.made_by = fan.made_by;
+    record.was_spread = fan.spread;
+    record.depth = fan.depth;
+    record.weight = fan.weight;
+    recorder_->push_back(std::move(record));
+  }
+
+  FanRecord* start_record(const Fan& fan, const LaneMask& lanes, std::uint32_t surface,
+                          bool front) {
+    if (recorder_ == nullptr) return nullptr;
+    FanRecord& record = recorder_->emplace_back();
+    record.parent = fan.parent_record;
+    record.made_by = fan.made_by;
+    record.was_spread = fan.spread;
+    record.depth = fan.depth;
+    record.weight = fan.weight;
+    record.is_hit = true;
+    record.enters = front;
+    record.surface = surface;
+    const WavelengthQuadrature* quadrature = world_.lanes.quadrature();
+    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
+      if (!lanes.test(lane)) continue;
+      LaneRecord& entry = record.lanes.emplace_back();
+      entry.lane = lane;
+      if (quadrature != nullptr) {
+        entry.wavelength_nm = quadrature->wavelengths_nm(samples_[fan.sample].set)[lane];
+      }
+      entry.position = b_.at.position.get(lane);
+      entry.direction = b_.at.direction.get(lane);
+      entry.throughput = b_.at.throughput[lane];
+    }
+    return &record;
+  }
+
+  void fill_record(FanRecord& record, Crossing crossing, const BoundaryRows& rows) const {
+    for (LaneRecord& entry : record.lanes) {
+      const int lane = entry.lane;
+      entry.angle_incident_rad = std::acos(shading_.cos_incident[lane]);
+      entry.n_incident = rows.n_incident != nullptr ? rows.n_incident[lane] : 1.0f;
+      entry.n_transmitted = rows.n_transmitted != nullptr ? rows.n_transmitted[lane] : 1.0f;
+      entry.k_r = shading_.k_r[lane];
+      entry.k_t = crossing == Crossing::None ? 0.0f : shading_.k_t[lane];
+      const bool refracts = crossing == Crossing::Enter || crossing == Crossing::Leave;
+      if (refracts && shading_.k_t[lane] > 0.0f) {
+        entry.angle_refracted_rad = std::acos(shading_.cos_transmitted[lane]);
+      }
+      entry.local_light = b_.at.emission[lane];
+    }
+  }
+
+  const World& world_;
+  const IntegratorSettings& settings_;
+  std::span<const CameraSample> samples_;
+  std::span<FirstHit> first_hits_;
+  IntegratorStats& stats_;
+  IntegratorScratch::Buffers& b_;
+  std::vector<FanRecord>* recorder_;
+  const int stride_;
+  std::size_t waiting_ = 0;
+
+  Shading shading_;
+  LightGeometry to_light_;
+  LaneArray reflected_, refracted_;  ///< Throughputs of the children being made.
+  LaneArray3 saved_normal_;
+};
+
+void TraceSamples(const World& world, const IntegratorSettings& settings,
+                  std::span<const CameraSample> samples, std::span<float> radiance,
+                  std::span<FirstHit> first_hits, IntegratorStats& stats,
+                  IntegratorScratch::Buffers& buffers, std::vector<FanRecord>* recorder) {
+  const auto trace = [&](auto d) {
+    Tracer<decltype(d)>(world, settings, samples, first_hits, stats, buffers, recorder)
+        .run(radiance);
+  };
+  // The widest vector that divides the stride.
+  switch (world.lanes.lane_stride()) {
+    case 4:
+      return trace(hn::CappedTag<float, 4>());
+    case 8:
+      return trace(hn::CappedTag<float, 8>());
+    default:
+      return trace(hn::CappedTag<float, 16>());
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace abbe
+HWY_AFTER_NAMESPACE();
+
+#endif  // ABBE_INTEGRATE_TRACER_INL_H_

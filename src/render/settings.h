@@ -1,0 +1,42 @@
+/// What shapes an image, resolved: the same settings give the same pixels.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "film/bands.h"
+#include "film/film.h"
+#include "math/vec.h"
+#include "spectrum/wavelength_set.h"
+#include "world/lanes.h"
+
+namespace abbe {
+
+struct RenderSettings {
+  Mode mode = Mode::Spectral;
+  Vec2i size{960, 540};
+  std::optional<PixelRect> crop;
+  int samples_per_pixel = 16;
+  WavelengthOptions wavelengths;
+  std::optional<BandOptions> bands;
+  std::string filter = "gaussian";
+  int max_depth = 16;
+  double cutoff = 1e-4;
+  bool drop = false;
+  std::uint32_t seed = 0;
+  std::vector<std::string> aovs;  ///< Groups of extra channels, of aov_names().
+  int threads = 0;                ///< 0: all cores. Never shapes the image.
+};
+
+/// Groups of extra channels: Z, P, N, albedo, UV, objectId, materialId.
+std::vector<std::string> aov_names();
+
+/// Errors: usage Error for values out of range, unknown names and contradictions.
+void check_settings(const RenderSettings& settings);
+
+/// The image size when none is asked for: 540 rows in the camera's shape, 960×540 without one.
+Vec2i default_size(const Camera& camera);
+
+}  // namespace abbe

@@ -1,0 +1,152 @@
+/// A scene made ready to trace: shapes flattened into one accelerator, every spectrum tabulated for
+/// the lanes of the render, lights in a table.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "accel/kd_tree.h"
+#include "base/notes.h"
+#include "scene/scene.h"
+#include "world/lanes.h"
+#include "world/texture.h"
+
+namespace abbe {
+
+/// A spectrum tabulated for every wavelength set: an offset into World::rows.
+using RowId = std::uint32_t;
+
+/// Materials a world may have: fans keep the media they are in as 16-bit numbers.
+inline constexpr std::size_t kMaxMaterials = 65535;
+
+/// How a surface bounds the space behind it.
+enum class Transmission : std::uint8_t {
+  None,       ///< Opaque.
+  ThinSheet,  ///< Infinitely thin: tints, does not refract.
+  Medium,     ///< The boundary of a medium.
+};
+
+/// A material ready to shade. Rows hold one value per lane.
+struct SurfaceMaterial {
+  std::string name;
+  RowId base_color = 0;  ///< Of the untextured factor.
+  Vec4f base_color_rec709{1.0f};
+  bool base_color_is_spectrum = false;  ///< A measured reflectance: textures multiply it.
+  std::optional<TextureUse> base_color_texture, metallic_roughness_texture, normal_texture,
+      emissive_texture, transmission_texture;
+  float normal_scale = 1.0f;
+  float metallic = 0.0f;
+  float roughness = 1.0f;
+  float transmission_factor = 0.0f;
+  Transmission transmission = Transmission::None;
+  AlphaMode alpha_mode = AlphaMode::Opaque;
+  float alpha_cutoff = 0.5f;
+  bool unlit = false;
+
+  std::optional<RowId> emission;
+  Vec3f emissive_rec709{0.0f};  ///< For textured emission.
+  bool emission_is_textured = false;
+
+  RowId index = 0;  ///< n per lane.
+  bool index_is_infinite = false;
+  std::optional<RowId> absorption_per_m;  ///< Of the medium inside; absent when clear.
+
+  bool is_conductor = false;  ///< Exact Fresnel with n and k; otherwise Schlick's with base colour.
+  RowId conductor_n = 0, conductor_k = 0;
+  /// In RGB modes conductors have their colour at normal incidence here, as base_color.
+
+  std::optional<float> ambient_factor;
+  bool uses_vertex_colors = false;
+
+  bool is_textured() const {
+    return base_color_texture || metallic_roughness_texture || transmission_texture ||
+           emissive_texture;
+  }
+  bool lets_light_pass() const {
+    return transmission != Transmission::None || alpha_mode != AlphaMode::Opaque;
+  }
+};
+
+/// One placed mesh or exact shape. Attribute offsets are relative to the first vertex: the normal
+/// of global vertex i is normals[i − first_vertex + normals_offset].
+struct Surface {
+  std::uint32_t material = 0;
+  std::uint32_t object = 0;  ///< Number of the instance, for id channels.
+  std::uint32_t first_vertex = 0;
+  std::optional<std::uint32_t> normals_offset, tangents_offset, colors_offset;
+  std::array<std::optional<std::uint32_t>, 2> uv_offset{};
+};
+
+/// A punctual light; its row is radiant intensity (or irradiance, for directional ones).
+struct WorldLight {
+  std::string name;
+  LightType type = LightType::Point;
+  Vec3f position{0.0f};
+  Vec3f direction{0.0f, 0.0f, -1.0f};  ///< In which it shines.
+  float range_m = kInfinity;
+  float spot_scale = 0.0f, spot_offset = 0.0f;
+  RowId row = 0;
+};
+
+/// Everything the integrator reads; nothing in it changes while rays are traced.
+struct World {
+  explicit World(LaneModel model) : lanes(std::move(model)) {}
+
+  LaneModel lanes;
+  std::vector<float> rows;         ///< All tabulated spectra, each set_count × lane_stride.
+  std::vector<float> xyz_weights;  ///< set_count × 3 × lane_stride
+  std::vector<float> importance;   ///< set_count × lane_stride
+
+  std::vector<SurfaceMaterial> materials;
+  std::vector<Surface> surfaces;
+  std::vector<std::uint32_t> primitive_surface;  ///< Per primitive of the accelerator.
+
+  std::vector<Vec3f> positions;
+  std::vector<Triangle> triangles;
+  std::vector<Vec3f> normals;
+  std::vector<Vec4f> tangents;
+  std::vector<Vec2f> uv;
+  std::vector<Vec4f> colors_rec709;
+  std::vector<Ellipsoid> ellipsoids;
+  std::vector<ConvexPolyhedron> polyhedra;
+  std::vector<Plane> planes;
+
+  KdTree tree;
+  bool has_transparent = false;
+
+  std::vector<WorldLight> lights;
+  std::optional<RowId> ambient;
+  std::vector<WorldTexture> textures;
+  RowId d65 = 0;  ///< Emission of D65 at 1 cd/m², for textured emission.
+  RowId uplift_abscissa =
+      0;  ///< s of each lane's wavelength, for textured colours (color/uplift.h).
+
+  std::vector<std::string> lamp_ids;  ///< Named spectra of the scene's lights, for provenance.
+  double build_seconds = 0.0;
+
+  const float* row(RowId id, int set) const {
+    return rows.data() + id + static_cast<std::size_t>(set) * lanes.lane_stride();
+  }
+  std::size_t geometry_bytes() const;
+};
+
+/// Settings that shape how a scene is tabulated.
+struct WorldOptions {
+  Mode mode = Mode::Spectral;
+  WavelengthOptions wavelengths;
+};
+
+/// Flattens, tabulates and builds. Degenerate and non-finite triangles that arise from an
+/// instance's transform are dropped with a warning.
+World make_world(const Scene& scene, const WorldOptions& options, const Observer& observer,
+                 const Spectrum& d65, Notes& notes);
+
+/// The emission spectra of a scene, scaled to what they contribute: for the wavelength density.
+std::vector<Spectrum> lamp_spectra(const Scene& scene, const Spectrum& d65);
+
+}  // namespace abbe

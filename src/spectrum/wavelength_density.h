@@ -13,8 +13,13 @@ namespace abbe {
 Spectrum lamp_mix(std::span<const Spectrum> lamps, const Observer& observer);
 
 /// A probability density over wavelengths, linear between whole nanometres and the points of the
-/// lamps' tables: what the observer sees of the lamps (x̄ + ȳ + z̄ times their mix), mixed with the
-/// uniform density so that no wavelength is left out.
+/// lamps' tables.
+///
+/// The fine structure of the lamps counts in full, so that a peak gets its share of samples: their
+/// mix is divided by itself smoothed. What the observer sees of the smoothed mix, (x̄ + ȳ + z̄) times
+/// it, counts by a power below 1: a set of few wavelengths integrates best when the integrand over
+/// the density fades out over several strata at both ends, as a periodic function does, instead of
+/// stopping short. A share of the uniform density leaves no wavelength out.
 class WavelengthDensity {
  public:
   /// Domain: range within 360–830 nm.

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 
 #include "base/constants.h"
 #include "base/error.h"
@@ -90,6 +88,24 @@ std::vector<double> line_wavelengths(std::span<const Spectrum> lamps, const Obse
   return result;
 }
 
+// The lamps whose integrals the observer's weights make exact: one for every four lanes, so that
+// their number leaves the weights room. Where there are more, the mix stands for those left out.
+std::vector<Spectrum> lamps_to_be_exact(std::span<const Spectrum> lamps, const Spectrum& mix,
+                                        const Observer& observer, int lanes) {
+  std::vector<Spectrum> result;
+  for (const Spectrum& lamp : lamps) {
+    const double seen = luminance(lamp, observer);
+    if (seen > 0.0 && !lamp.is_lines_only()) result.push_back(lamp.scaled(1.0 / seen));
+  }
+  const std::size_t room = std::clamp<std::size_t>(static_cast<std::size_t>(lanes) / 4, 1,
+                                                   WavelengthQuadrature::kMostExactLamps);
+  if (result.empty() || result.size() > room) {
+    result.resize(result.empty() ? 0 : room - 1);
+    result.push_back(mix);
+  }
+  return result;
+}
+
 std::size_t nearest(const std::vector<double>& sorted, double value) {
   const auto above = std::lower_bound(sorted.begin(), sorted.end(), value);
   if (above == sorted.begin()) return 0;
@@ -107,7 +123,6 @@ WavelengthQuadrature::WavelengthQuadrature(const WavelengthOptions& options,
       range_min_nm_(options.range_min_nm),
       range_max_nm_(options.range_max_nm) {
   check(options);
-  lamp_mix_ = lamp_mix(lamps, observer);
 
   if (!options.exact_nm.empty()) {
     kinds_.assign(options.exact_nm.size(), LaneKind::Exact);
@@ -127,7 +142,9 @@ WavelengthQuadrature::WavelengthQuadrature(const WavelengthOptions& options,
   kinds_.resize(static_cast<std::size_t>(lane_stride_), LaneKind::Padding);
   set_count_ = continuous_count_ > 0 ? kShiftCount : 1;
 
-  const WavelengthDensity density(lamp_mix_, observer, range_min_nm_, range_max_nm_);
+  const Spectrum mix = lamp_mix(lamps, observer);
+  exact_lamps_ = lamps_to_be_exact(lamps, mix, observer, continuous_count_);
+  const WavelengthDensity density(mix, observer, range_min_nm_, range_max_nm_);
   for (int set = 0; set < set_count_; ++set) {
     const double shift = (set + 0.5) / kShiftCount;
     double wavelength_nm = range_min_nm_;

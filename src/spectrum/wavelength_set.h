@@ -1,6 +1,7 @@
 /// The wavelengths that a camera sample carries, as a quadrature rule.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -37,6 +38,7 @@ struct WavelengthOptions {
 class WavelengthQuadrature {
  public:
   static constexpr int kShiftCount = 256;
+  static constexpr std::size_t kMostExactLamps = 4;
 
   /// `lamps` are the emission spectra of the scene, in any scale: each counts by its own luminance.
   WavelengthQuadrature(const WavelengthOptions& options, const Observer& observer,
@@ -59,11 +61,15 @@ class WavelengthQuadrature {
   std::span<const LaneKind> kinds() const { return kinds_; }
 
   /// The weights by which a film turns radiance per lane into tristimulus values:
-  /// K_m · weight · cmf(λ), continuous lanes times a correction close to 1. The correction is a
-  /// polynomial in wavelength, of a degree that the number of lanes supports, chosen per set and
-  /// per channel so that the mix of the scene's lamps, and the mix times each power of wavelength
-  /// up to that degree, integrate to what they are: white is white in every single sample. Shape:
-  /// set_count × 3 × lane_stride: of each set the lanes of X, of Y, of Z. Padding is 0.
+  /// K_m · weight · cmf(λ), continuous lanes times a correction close to 1.
+  ///
+  /// The correction, per set and channel, is the smallest that makes the scene's lamps (one for
+  /// every four lanes; the last stands for the mix if there are more) integrate to what they are:
+  /// what reflects all wavelengths alike has the colour of the lamp in every single sample. Its
+  /// price is a ripple over wavelength that more samples do not average out, of 0.1 % under D65 and
+  /// 2 % under FL11 at 16 lanes. Where any factor would differ from 1 by more than 15 %, as with 4
+  /// lanes, no set is corrected.
+  /// Shape: set_count × 3 × lane_stride: of each set the lanes of X, of Y, of Z. Padding is 0.
   std::vector<float> observer_weights(const Observer& observer) const;
 
   /// A reflectance, index or absorption at every lane of every set.
@@ -82,7 +88,7 @@ class WavelengthQuadrature {
   int continuous_count_ = 0;
   std::uint32_t seed_ = 0;
   double range_min_nm_ = 0.0, range_max_nm_ = 0.0;
-  Spectrum lamp_mix_;  ///< Continuous parts of the lamps, each at luminance 1; 1 without any.
+  std::vector<Spectrum> exact_lamps_;  ///< At luminance 1; equal energy without any.
   std::vector<LaneKind> kinds_;
   std::vector<double> line_nm_;  ///< Of the line lanes, rising.
   std::vector<float> wavelengths_nm_;

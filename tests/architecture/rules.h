@@ -1,6 +1,7 @@
 /// The rules of the house, as functions of text, so that each can be shown to fail.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,6 +16,11 @@ std::optional<int> floor_of(std::string_view module);
 /// a third-party library outside its rim, folders that are no module.
 /// `path` is relative to src/, e.g. `optics/fresnel.cpp`.
 std::vector<std::string> include_violations(const std::string& path, const std::string& text);
+
+/// Headers that bring a third-party library's types out of its module: one that includes the
+/// library, itself or through another header, and is included by a file of another module. `texts`
+/// holds all files of src/ by path, relative to src/.
+std::vector<std::string> leak_violations(const std::map<std::string, std::string>& texts);
 
 /// What is wrong with the DEPENDS of a module's CMakeLists.txt: the same edges, at link time.
 std::vector<std::string> link_violations(const std::string& path, const std::string& text);

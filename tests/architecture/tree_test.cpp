@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <set>
 #include <sstream>
@@ -66,14 +67,13 @@ std::string one_per_line(const std::vector<std::string>& lines) {
 }
 
 TEST(Tree, includes_point_down_and_third_parties_stay_behind_their_rim) {
-  std::vector<std::string> violations;
-  std::size_t sources = 0;
-  for (const std::string& file : files_below("src")) {
-    if (!file.ends_with(".h") && !file.ends_with(".cpp")) continue;
-    append(violations, include_violations(file.substr(4), read_text(kRoot / file)));
-    ++sources;
-  }
-  EXPECT_GT(sources, 0u);
+  std::map<std::string, std::string> texts;
+  for (const std::string& file : files_below("src"))
+    if (file.ends_with(".h") || file.ends_with(".cpp"))
+      texts[fs::path(file).lexically_relative("src").string()] = read_text(kRoot / file);
+  ASSERT_FALSE(texts.empty());
+  std::vector<std::string> violations = leak_violations(texts);
+  for (const auto& [path, text] : texts) append(violations, include_violations(path, text));
   EXPECT_THAT(violations, IsEmpty()) << one_per_line(violations);
 }
 

@@ -1,0 +1,239 @@
+#include "load/gltf_spectra.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include "base/error.h"
+#include "load/gltf_check.h"
+#include "load/gltf_fields.h"
+
+namespace abbe::gltf {
+namespace {
+
+constexpr Range kWavelengths_nm{1.0, 1e6};
+// What a file in the catalogue's own format begins with; any other is a plain table.
+constexpr std::string_view kCatalogueSignature = "abbe-spectrum";
+
+Range values_of(SpectrumUse use) {
+  constexpr double kHuge = 1e30;
+  switch (use) {
+    case SpectrumUse::Reflectance:
+      return {0.0, 1.0};
+    case SpectrumUse::Index:
+      return {1e-6, 1000.0};
+    default:
+      return {0.0, kHuge};
+  }
+}
+
+const char* name_of(SpectrumUse use) {
+  switch (use) {
+    case SpectrumUse::Emission:
+      return "an emission";
+    case SpectrumUse::Reflectance:
+      return "a reflectance";
+    case SpectrumUse::Absorption:
+      return "an absorption";
+    default:
+      return "a complex index";
+  }
+}
+
+bool matches(SpectrumUse use, const std::string& quantity) {
+  switch (use) {
+    case SpectrumUse::Emission:
+      return quantity == "emission";
+    case SpectrumUse::Reflectance:
+      return quantity == "reflectance" || quantity == "transmittance";
+    case SpectrumUse::Absorption:
+      return quantity == "absorption";
+    default:
+      return quantity == "complex index";
+  }
+}
+
+OutsideTable outside_of(SpectrumUse use) {
+  return use == SpectrumUse::Emission ? OutsideTable::Zero : OutsideTable::Clamp;
+}
+
+// Ids have no suffix; a name with one, or with the marks of a path, is a path.
+bool is_path(const std::string& name) {
+  const std::string suffix = std::filesystem::path(name).extension().string();
+  const bool has_suffix =
+      suffix.size() >= 2 && std::all_of(suffix.begin() + 1, suffix.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+      });
+  return has_suffix || name.empty() || name.front() == '/' || name.rfind("./", 0) == 0 ||
+         name.find("..") != std::string::npos || name.find('\\') != std::string::npos ||
+         name.find(':') != std::string::npos;
+}
+
+std::string_view next_token(std::string_view& line) {
+  constexpr std::string_view kBetween = " \t,;\r";
+  const std::size_t start = std::min(line.find_first_not_of(kBetween), line.size());
+  const std::size_t end = std::min(line.find_first_of(kBetween, start), line.size());
+  const std::string_view token = line.substr(start, end - start);
+  line.remove_prefix(end);
+  return token;
+}
+
+bool parse_number(std::string_view token, double& number) {
+  if (!token.empty() && token.front() == '+') token.remove_prefix(1);
+  const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), number);
+  return error == std::errc() && end == token.data() + token.size() && std::isfinite(number);
+}
+
+}  // namespace
+
+std::vector<std::pair<double, double>> parse_csv_spectrum(std::string_view text,
+                                                          const std::string& file) {
+  std::vector<std::pair<double, double>> rows;
+  bool may_be_header = true;
+  for (int number = 1; !text.empty(); ++number) {
+    const std::size_t end = text.find('\n');
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    line = line.substr(0, line.find('#'));
+    if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
+    const std::string whole(line);
+    double wavelength_nm = 0.0;
+    double value = 0.0;
+    const bool good =
+        parse_number(next_token(line), wavelength_nm) && parse_number(next_token(line), value);
+    if (!good && may_be_header) {
+      may_be_header = false;
+      continue;
+    }
+    may_be_header = false;
+    const std::string where = fmt::format("{}: line {}", file, number);
+    if (!good || !next_token(line).empty()) {
+      throw_input_error(where, "\"" + whole + "\"", "a wavelength in nm and a value");
+    }
+    rows.emplace_back(wavelength_nm, value);
+    if (rows.size() > 1 && rows[rows.size() - 2].first >= wavelength_nm) {
+      throw_input_error(
+          where, fmt::format("{} nm after {} nm", wavelength_nm, rows[rows.size() - 2].first),
+          "rising wavelengths");
+    }
+  }
+  if (rows.empty()) throw_input_error(file, "no row", "rows of a wavelength in nm and a value");
+  return rows;
+}
+
+CatalogueEntry Spectra::entry(const std::string& id_or_path, const std::string& pointer) {
+  if (!is_path(id_or_path)) return catalogue_.entry(id_or_path, document_.where(pointer));
+  const std::filesystem::path file = document_.resolve_path(id_or_path, pointer);
+  document_.read_resolved(file, pointer);  // Into the hash, and checked to be a regular file.
+  return read_spectrum_file(file, id_or_path);
+}
+
+NamedSpectrum Spectra::d65() const {
+  return {"illuminant/D65", catalogue_.illuminant("illuminant/D65")};
+}
+
+Spectrum Spectra::read_table(const Json& table, const std::string& pointer, SpectrumUse use) {
+  std::vector<double> wavelengths_nm;
+  std::vector<double> values;
+  const Range range = values_of(use);
+  if (table.empty()) throw_input_error(document_.where(pointer), "an empty table", "[[nm, value]]");
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const std::string row = fmt::format("{}/{}", pointer, i);
+    if (!table[i].is_array() || table[i].size() != 2) {
+      throw_input_error(document_.where(row), describe(table[i]), "[nm, value]");
+    }
+    const double wavelength_nm =
+        finite_number(table[i][0], document_.where(row + "/0"), kWavelengths_nm);
+    if (!wavelengths_nm.empty() && wavelength_nm <= wavelengths_nm.back()) {
+      throw_input_error(document_.where(row + "/0"),
+                        fmt::format("{} nm after {} nm", wavelength_nm, wavelengths_nm.back()),
+                        "rising wavelengths");
+    }
+    wavelengths_nm.push_back(wavelength_nm);
+    values.push_back(limit(finite_number(table[i][1], document_.where(row + "/1"), {}), range,
+                           document_.where(row + "/1"), document_.notes()));
+  }
+  return Spectrum::tabulated(std::move(wavelengths_nm), std::move(values), outside_of(use));
+}
+
+Spectrum Spectra::read_lines(const Json& lines, const std::string& pointer) {
+  if (!lines.is_array() || lines.empty()) {
+    throw_input_error(document_.where(pointer), describe(lines), "[[nm, strength], ...]");
+  }
+  constexpr std::size_t kMostLines = 64;  // Each takes a wavelength lane of its own.
+  if (lines.size() > kMostLines) {
+    throw_input_error(document_.where(pointer), fmt::format("{} lines", lines.size()),
+                      fmt::format("at most {}", kMostLines));
+  }
+  std::vector<SpectralLine> result;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::string row = fmt::format("{}/{}", pointer, i);
+    if (!lines[i].is_array() || lines[i].size() != 2) {
+      throw_input_error(document_.where(row), describe(lines[i]), "[nm, strength]");
+    }
+    result.push_back({finite_number(lines[i][0], document_.where(row + "/0"), {360.0, 830.0}),
+                      finite_number(lines[i][1], document_.where(row + "/1"), {0.0, 1e30})});
+  }
+  std::stable_sort(result.begin(), result.end(),
+                   [](const auto& a, const auto& b) { return a.wavelength_nm < b.wavelength_nm; });
+  return Spectrum::lines(std::move(result));
+}
+
+NamedSpectrum Spectra::read_name(const std::string& name, const std::string& pointer,
+                                 SpectrumUse use) {
+  if (is_path(name)) {
+    const std::filesystem::path file = document_.resolve_path(name, pointer);
+    const Bytes bytes = document_.read_resolved(file, pointer);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (text.rfind(kCatalogueSignature, 0) != 0) {
+      std::vector<double> wavelengths_nm;
+      std::vector<double> values;
+      for (const auto& [wavelength_nm, value] : parse_csv_spectrum(text, file.string())) {
+        wavelengths_nm.push_back(
+            finite_number(Json(wavelength_nm), file.string(), kWavelengths_nm));
+        values.push_back(limit(value, values_of(use), file.string(), document_.notes()));
+      }
+      return {name,
+              Spectrum::tabulated(std::move(wavelengths_nm), std::move(values), outside_of(use))};
+    }
+  }
+  const CatalogueEntry found = entry(name, pointer);
+  if (!matches(use, found.quantity)) {
+    throw_input_error(document_.where(pointer), fmt::format("{} ({})", found.id, found.quantity),
+                      name_of(use));
+  }
+  const std::optional<Spectrum>& curve = use == SpectrumUse::Index        ? found.n
+                                         : use == SpectrumUse::Extinction ? found.k
+                                                                          : found.spectrum;
+  if (!curve) throw_input_error(document_.where(pointer), found.id, name_of(use));
+  return {found.id, *curve};
+}
+
+NamedSpectrum Spectra::read(const Json& value, const std::string& pointer, SpectrumUse use) {
+  if (value.is_string()) return read_name(value.get<std::string>(), pointer, use);
+  if (value.is_number()) {
+    return {"",
+            Spectrum::constant(limit(finite_number(value, document_.where(pointer), {}),
+                                     values_of(use), document_.where(pointer), document_.notes()))};
+  }
+  if (value.is_array()) return {"", read_table(value, pointer, use)};
+  if (use == SpectrumUse::Emission && value.is_object()) {
+    const Fields fields(document_, value, pointer);
+    fields.only({"blackbody", "lines"});
+    if (fields.has("blackbody")) {
+      return {"", Spectrum::blackbody(fields.required_number("blackbody", {300.0, 1e6}))};
+    }
+    if (fields.has("lines")) {
+      return {"", read_lines(fields.at("lines"), fields.pointer("lines"))};
+    }
+  }
+  throw_input_error(document_.where(pointer), describe(value),
+                    use == SpectrumUse::Emission
+                        ? "an id, a path, a number, [[nm, value], ...], {blackbody} or {lines}"
+                        : "an id, a path, a number or [[nm, value], ...]");
+}
+
+}  // namespace abbe::gltf

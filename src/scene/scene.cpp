@@ -1,0 +1,152 @@
+#include "scene/scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace abbe {
+namespace {
+
+void extend_by_transformed(Box3f& box, const Vec3d& point, const Mat4d& to_world) {
+  const Vec3d p(to_world * Vec4d(point, 1.0));
+  box.extend(Vec3f(p));
+}
+
+// Corners of a convex polyhedron: where three of its planes meet and no other cuts the point off.
+void extend_by_convex(Box3f& box, const ConvexShape& shape, const Mat4d& to_world) {
+  std::vector<Vec4d> planes;
+  for (const Vec4d& plane : shape.planes) {
+    const double length = glm::length(Vec3d(plane));
+    if (length > 0.0) planes.push_back(plane / length);
+  }
+  double scale = 0.0;
+  for (const Vec4d& plane : planes) scale = std::max(scale, std::abs(plane.w));
+  const double slack = 1e-9 * std::max(scale, 1e-9);
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    for (std::size_t j = i + 1; j < planes.size(); ++j) {
+      const Vec3d line = glm::cross(Vec3d(planes[i]), Vec3d(planes[j]));
+      for (std::size_t k = j + 1; k < planes.size(); ++k) {
+        const double determinant = glm::dot(line, Vec3d(planes[k]));
+        if (std::abs(determinant) < 1e-12) continue;
+        const Vec3d corner =
+            (planes[i].w * glm::cross(Vec3d(planes[j]), Vec3d(planes[k])) +
+             planes[j].w * glm::cross(Vec3d(planes[k]), Vec3d(planes[i])) + planes[k].w * line) /
+            determinant;
+        const bool inside = std::all_of(planes.begin(), planes.end(), [&](const Vec4d& plane) {
+          return glm::dot(Vec3d(plane), corner) <= plane.w + slack;
+        });
+        if (inside) extend_by_transformed(box, corner, to_world);
+      }
+    }
+  }
+}
+
+void extend_by_sphere(Box3f& box, const SphereShape& sphere, const Mat4d& to_world) {
+  // The image of a ball is an ellipsoid; its half extent along an axis is the length of that row.
+  const Vec3d center(to_world[3]);
+  Vec3d half;
+  for (int row = 0; row < 3; ++row) {
+    half[row] =
+        sphere.radius_m * glm::length(Vec3d(to_world[0][row], to_world[1][row], to_world[2][row]));
+  }
+  box.extend(Vec3f(center - half));
+  box.extend(Vec3f(center + half));
+}
+
+bool emits(const Material& material) {
+  if (material.unlit) return true;
+  if (material.emission) return material.emission->luminance_cd_per_m2 > 0.0;
+  const Vec3f& e = material.emissive_rec709;
+  return e.x > 0.0f || e.y > 0.0f || e.z > 0.0f;
+}
+
+std::uint32_t material_of(const Scene& scene, const Instance& instance) {
+  if (const auto* mesh = std::get_if<std::uint32_t>(&instance.what)) {
+    return scene.meshes[*mesh].material;
+  }
+  return std::get<Shape>(instance.what).material;
+}
+
+// The box the default rig and camera are measured by; a unit cube for an empty scene.
+struct Extent {
+  Vec3d center{0.0};
+  double radius_m = 1.0;
+};
+
+Extent extent_of(const Scene& scene) {
+  const Box3f box = bounds_of(scene);
+  if (box.is_empty()) return {};
+  const Vec3d low(box.low);
+  const Vec3d high(box.high);
+  const double radius_m = 0.5 * glm::length(high - low);
+  if (!std::isfinite(radius_m)) return {};
+  return {0.5 * (low + high), radius_m > 0.0 ? radius_m : 1.0};
+}
+
+// Rigid placement whose −Z axis looks along `direction`, +Y as near to up as can be.
+Mat4d looking_along(const Vec3d& direction, const Vec3d& position) {
+  const Vec3d z = -glm::normalize(direction);
+  const Vec3d up = std::abs(z.y) > 0.999 ? Vec3d(0.0, 0.0, -1.0) : Vec3d(0.0, 1.0, 0.0);
+  const Vec3d x = glm::normalize(glm::cross(up, z));
+  const Vec3d y = glm::cross(z, x);
+  return {Vec4d(x, 0.0), Vec4d(y, 0.0), Vec4d(z, 0.0), Vec4d(position, 1.0)};
+}
+
+}  // namespace
+
+Box3f bounds_of(const Scene& scene) {
+  Box3f box;
+  for (const Instance& instance : scene.instances) {
+    if (const auto* mesh = std::get_if<std::uint32_t>(&instance.what)) {
+      for (const Vec3f& position : scene.meshes[*mesh].positions) {
+        extend_by_transformed(box, Vec3d(position), instance.to_world);
+      }
+      continue;
+    }
+    const Shape& shape = std::get<Shape>(instance.what);
+    if (const auto* sphere = std::get_if<SphereShape>(&shape.geometry)) {
+      extend_by_sphere(box, *sphere, instance.to_world);
+    } else {
+      extend_by_convex(box, std::get<ConvexShape>(shape.geometry), instance.to_world);
+    }
+  }
+  return box;
+}
+
+bool add_default_lights(Scene& scene) {
+  if (!scene.lights.empty() || scene.ambient) return false;
+  for (const Instance& instance : scene.instances) {
+    if (emits(scene.materials[material_of(scene, instance)])) return false;
+  }
+  // A white diffuse surface that faces the key light comes out at E/π = 1 cd/m², display white.
+  constexpr double kKey_lux = 3.14159265358979323846;
+  Light key;
+  key.name = "default key";
+  key.type = LightType::Directional;
+  key.intensity = kKey_lux;
+  const Vec3d center = extent_of(scene).center;
+  key.to_world = looking_along({-0.5, -0.8, -0.6}, center);
+  Light fill = key;
+  fill.name = "default fill";
+  fill.intensity = 0.3 * kKey_lux;
+  fill.to_world = looking_along({0.9, -0.2, -0.5}, center);
+  scene.lights = {key, fill};
+  return true;
+}
+
+bool add_default_camera(Scene& scene) {
+  if (!scene.cameras.empty()) return false;
+  const Extent extent = extent_of(scene);
+  Camera camera;
+  camera.name = "default";
+  const double yfov_rad = 0.7;
+  camera.projection = PerspectiveCamera{yfov_rad};
+  // The bounding ball touches the top and bottom of the picture, with a margin of 5 %; a little
+  // from above and from the side, so that a box shows three of its faces.
+  const double distance_m = 1.05 * extent.radius_m / std::sin(0.5 * yfov_rad);
+  const Vec3d direction = glm::normalize(Vec3d(-0.35, -0.3, -1.0));
+  camera.to_world = looking_along(direction, extent.center - distance_m * direction);
+  scene.cameras.push_back(camera);
+  return true;
+}
+
+}  // namespace abbe

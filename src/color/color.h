@@ -24,7 +24,8 @@ Mat3d cat16_adaptation(const Vec3d& xyz_white_from, const Vec3d& xyz_white_to);
 /// How film values become RGB: the observer's integral of the reference white is adapted to
 /// xy 0.3127, 0.3290 (CAT16), then turned into linear Rec.709.
 struct Development {
-  Mat3d xyz_to_rec709{1.0};  ///< Film XYZ (cd/m² scale) to linear Rec.709; D65 at 1 cd/m² gives 1, 1, 1.
+  Mat3d xyz_to_rec709{
+      1.0};  ///< Film XYZ (cd/m² scale) to linear Rec.709; D65 at 1 cd/m² gives 1, 1, 1.
   Mat3d rec709_to_xyz{1.0};  ///< Its inverse.
 };
 Development development_for(const Observer& observer, const Spectrum& d65);

@@ -1,0 +1,41 @@
+/// Fitting smooth reflectances to colours: the part that the library and the maker of its table
+/// share.
+#pragma once
+
+#include <vector>
+
+#include "math/vec.h"
+
+namespace abbe {
+
+/// Coefficients of x(s) = (c0·s + c1)·s + c2 with s = (λ_nm − 595)/235, so that s runs over [−1,
+/// 1]. S = ½ + x/(2√(1 + x²)) is the reflectance.
+struct NormalisedSigmoid {
+  Vec3d c{0.0};
+};
+
+/// From |x| = 4096 on, single precision makes the reflectance exactly 0 or 1.
+inline constexpr double kSaturated = 4096.0;
+
+/// How reflectances become linear Rec.709 under a lamp: a sum over equidistant wavelengths.
+/// Σ weights = (1, 1, 1), so that the reflectance 1 is white.
+struct ReflectanceProjection {
+  std::vector<double> s;             ///< Abscissas in [−1, 1].
+  std::vector<Vec3d> weight_rec709;  ///< As many.
+
+  Vec3d rec709(const NormalisedSigmoid& reflectance) const;
+};
+
+/// The constant reflectance, in [0, 1].
+NormalisedSigmoid constant_reflectance(double value);
+
+/// The reflectance whose colour is nearest to the given one in CIE L*a*b*, found from `start` by
+/// Levenberg and Marquardt's method.
+/// Domain: rgb_rec709 in [0, 1].
+NormalisedSigmoid fit_reflectance(const Vec3d& rgb_rec709, const ReflectanceProjection& projection,
+                                  const NormalisedSigmoid& start);
+
+/// The same from the grey of the colour's luminance, in steps where one stride does not arrive.
+NormalisedSigmoid fit_reflectance(const Vec3d& rgb_rec709, const ReflectanceProjection& projection);
+
+}  // namespace abbe

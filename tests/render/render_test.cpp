@@ -1,0 +1,197 @@
+// Whole renders: white, reproducibility, crops, spectral channels.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/parallel.h"
+#include "color/color.h"
+#include "support/scene_builder.h"
+
+namespace abbe {
+namespace {
+
+Scene glowing_sphere(const char* lamp = nullptr) {
+  Scene scene;
+  Material material = test::emitter(Vec3f(1.0f));
+  if (lamp != nullptr) {
+    material.emission = SpectralEmission{{lamp, test::catalogue().illuminant(lamp)}, 1.0};
+  }
+  test::add_sphere(scene, test::add(scene, material), Vec3d(0.0), 50.0);
+  scene.cameras.push_back(test::perspective_camera({0, 0, 0}, {0, 0, -1}, 40.0));
+  return scene;
+}
+
+Scene lit_white_floor() {
+  Scene scene;
+  test::add_square(scene, test::add(scene, test::matte(Vec3f(1.0f))), 20.0,
+                   test::rotation({1, 0, 0}, -90.0));
+  scene.cameras.push_back(test::orthographic_camera({0, 30, 0}, {0, 0, 0}, 1.0, 1.0));
+  scene.lights.push_back(test::directional_light({0, -1, 0}, 3.14159265358979));
+  return scene;
+}
+
+void expect_white(const Image& image, float tolerance) {
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    EXPECT_NEAR(image.pixels[i], 1.0f, tolerance) << "value " << i;
+  }
+}
+
+TEST(WhiteTest, emission_of_1_1_1_develops_to_1_1_1) {
+  RenderSettings settings = test::small_settings();
+  settings.samples_per_pixel = 16;
+  expect_white(test::render(glowing_sphere(), settings).image, 1e-4f);
+}
+
+TEST(WhiteTest, white_floor_lit_by_d65_develops_to_1_1_1) {
+  RenderSettings settings = test::small_settings();
+  settings.samples_per_pixel = 16;
+  // The promise for 16 samples of 16 wavelengths.
+  expect_white(test::render(lit_white_floor(), settings).image, 1e-4f);
+}
+
+TEST(WhiteTest, four_wavelengths_keep_white_within_2e_3) {
+  RenderSettings settings = test::small_settings();
+  settings.samples_per_pixel = 16;
+  settings.wavelengths.count = 4;
+  expect_white(test::render(lit_white_floor(), settings).image, 2e-3f);
+}
+
+TEST(WhiteTest, rgb_modes_keep_white_to_rounding) {
+  RenderSettings settings = test::small_settings();
+  for (const Mode mode : {Mode::Rgb, Mode::Rgb3}) {
+    settings.mode = mode;
+    expect_white(test::render(lit_white_floor(), settings).image, 2e-6f);
+  }
+}
+
+TEST(WhiteTest, fluorescent_lamp_has_no_colour_error_beyond_0_2) {
+  RenderSettings settings = test::small_settings();
+  settings.samples_per_pixel = 16;
+  const RenderResult result = test::render(glowing_sphere("illuminant/FL11"), settings);
+  const Observer observer = test::catalogue().observer();
+  const Spectrum lamp = test::catalogue().illuminant("illuminant/FL11");
+  const Vec3d white = xyz_of(lamp, observer) / xyz_of(lamp, observer).y;
+  const Development development =
+      development_for(observer, test::catalogue().illuminant("illuminant/D65"));
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 8; ++x) {
+      const Vec3d rgb_rec709(test::pixel(result.image, x, y, "R"),
+                             test::pixel(result.image, x, y, "G"),
+                             test::pixel(result.image, x, y, "B"));
+      const Vec3d lab = lab_of_xyz(development.rec709_to_xyz * rgb_rec709, white);
+      EXPECT_LT(std::hypot(lab.y, lab.z), 0.2);
+    }
+  }
+}
+
+Scene glass_over_floor() {
+  Scene scene = lit_white_floor();
+  scene.materials.front().base_color_rec709 = Vec4f(0.8f, 0.5f, 0.3f, 1.0f);
+  test::add_sphere(scene, test::add(scene, test::glass("glass/schott/SF10")), {0, 1, 0}, 0.8);
+  scene.lights.push_back(test::point_light({2, 3, 1}, 20.0));
+  return scene;
+}
+
+TEST(RenderTest, image_for_any_number_of_threads_is_the_same_bit_for_bit) {
+  RenderSettings settings = test::small_settings();
+  settings.size = {70, 70};
+  settings.samples_per_pixel = 2;
+  const Scene scene = glass_over_floor();
+  std::vector<float> reference;
+  for (const int threads : {1, 2, 5}) {
+    const ThreadLimit limit(threads);
+    const std::vector<float> pixels = test::render(scene, settings).image.pixels;
+    if (reference.empty()) reference = pixels;
+    EXPECT_EQ(pixels, reference) << threads;
+  }
+}
+
+TEST(RenderTest, crop_has_the_pixels_of_the_whole_image) {
+  RenderSettings settings = test::small_settings();
+  settings.size = {70, 50};
+  settings.samples_per_pixel = 3;
+  settings.filter = "mitchell";
+  const Scene scene = glass_over_floor();
+  const Image whole = test::render(scene, settings).image;
+  settings.crop = PixelRect{13, 7, 55, 41};
+  const Image part = test::render(scene, settings).image;
+  ASSERT_EQ(part.width, 42);
+  ASSERT_EQ(part.height, 34);
+  for (int y = 0; y < part.height; ++y) {
+    for (int x = 0; x < part.width; ++x) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        ASSERT_EQ(part.at(x, y, c), whole.at(x + 13, y + 7, c));
+      }
+    }
+  }
+}
+
+TEST(RenderTest, cancelled_render_says_that_it_is_incomplete) {
+  RenderSettings settings = test::small_settings();
+  settings.size = {200, 200};
+  const Scene scene = glass_over_floor();
+  const World world = test::make_world(scene, settings);
+  CancelFlag cancel{true};
+  EXPECT_FALSE(render(world, scene.cameras.front(), settings, {}, &cancel).complete);
+}
+
+TEST(RenderTest, bands_hold_the_mean_spectral_radiance_of_the_lamp) {
+  RenderSettings settings = test::small_settings();
+  settings.samples_per_pixel = 16;
+  settings.bands = parse_bands("360:830:5");
+  const Image image = test::render(glowing_sphere("illuminant/E"), settings).image;
+  // An equal-energy lamp of 1 cd/m² has 1/(683.002·∫ȳ) W·m⁻²·sr⁻¹·nm⁻¹ at every wavelength.
+  const float level = static_cast<float>(1.0 / (683.002 * 106.856917));
+  const auto first = image.channel_index("S0.362,500000nm");
+  ASSERT_TRUE(first.has_value());
+  for (std::size_t band = 0; band < 94; ++band) {
+    EXPECT_NEAR(image.at(3, 3, *first + band) / level, 1.0f, 1e-4f) << band;
+  }
+}
+
+TEST(RenderTest, lines_give_the_radiance_at_exactly_those_wavelengths) {
+  RenderSettings settings = test::small_settings();
+  settings.wavelengths.exact_nm = {450.0, 550.0, 650.0};
+  const Image image = test::render(glowing_sphere("illuminant/A"), settings).image;
+  const Observer observer = test::catalogue().observer();
+  const Spectrum lamp = test::catalogue().illuminant("illuminant/A");
+  const double scale = 1.0 / xyz_of(lamp, observer).y;
+  const char* names[] = {"S0.450,000000nm", "S0.550,000000nm", "S0.650,000000nm"};
+  for (int i = 0; i < 3; ++i) {
+    const double expected = scale * lamp.value(settings.wavelengths.exact_nm[i]);
+    EXPECT_NEAR(test::pixel(image, 2, 2, names[i]) / expected, 1.0, 1e-6) << names[i];
+  }
+}
+
+TEST(RenderTest, range_renders_a_part_without_rescaling_the_light) {
+  RenderSettings settings = test::small_settings();
+  // All 256 shifts: a spectrum that is cut where it is bright needs them for its end.
+  settings.samples_per_pixel = 256;
+  settings.size = {4, 4};
+  double sum = 0.0;
+  for (const auto& [low, high] : {std::pair{360.0, 555.0}, {555.0, 830.0}}) {
+    settings.wavelengths.range_min_nm = low;
+    settings.wavelengths.range_max_nm = high;
+    sum +=
+        static_cast<double>(test::pixel(test::render(glowing_sphere(), settings).image, 3, 3, "G"));
+  }
+  // Two halves make the whole.
+  EXPECT_NEAR(sum, 1.0, 1e-3);
+}
+
+TEST(RenderTest, extra_channels_tell_depth_position_and_ids) {
+  RenderSettings settings = test::small_settings();
+  settings.aovs = {"Z", "P", "N", "albedo", "UV", "objectId", "materialId"};
+  const Image image = test::render(glass_over_floor(), settings).image;
+  EXPECT_NEAR(test::pixel(image, 0, 0, "Z"), 30.0f, 1e-4f);
+  EXPECT_NEAR(test::pixel(image, 0, 0, "P.Y"), 0.0f, 1e-5f);
+  EXPECT_NEAR(test::pixel(image, 0, 0, "N.Y"), 1.0f, 1e-6f);
+  EXPECT_NEAR(test::pixel(image, 0, 0, "albedo.R"), 0.8f, 1e-6f);
+  EXPECT_EQ(test::pixel(image, 0, 0, "objectId"), 1.0f);
+  EXPECT_EQ(test::pixel(image, 4, 4, "objectId"), 2.0f);
+  EXPECT_EQ(test::pixel(image, 4, 4, "materialId"), 2.0f);
+}
+
+}  // namespace
+}  // namespace abbe

@@ -1,0 +1,15 @@
+/// The commands of the program. Each adds its options to a CLI11 subcommand, whose callback runs
+/// it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "cli/cli.h"
+
+namespace abbe {
+
+/// Every function adds one subcommand; when it has run, `code` is its exit code.
+void add_render_command(CLI::App& program, ExitCode& code);
+void add_display_command(CLI::App& program, ExitCode& code);
+
+}  // namespace abbe

@@ -1,0 +1,80 @@
+#include "cli/options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "cli/parse.h"
+#include "film/filter.h"
+
+namespace abbe {
+
+void add_scene_options(CLI::App& command, SceneOptions& options) {
+  RenderSettings& settings = options.settings;
+  command.add_option("SCENE", options.file, "glTF scene, .gltf or .glb")->required();
+  add_shown(command, "--scene", options.scene_name, "NAME",
+            "scene of the file to take (default: the file's own)");
+  add_shown(command, "--camera", options.camera_name, "NAME",
+            "camera to look through, by name or by number from 0 (default: the first)");
+  add_shown(
+      command, "--mode", options.mode, "MODE",
+      "spectral, rgb (one index of refraction) or rgb3 (one per channel) (default: spectral)");
+  add_shown(command, "--size", options.size, "WxH",
+            "pixels (default: 540 rows in the camera's shape, 960x540 without one)");
+  add_shown(command, "--wavelengths", settings.wavelengths.count, "N",
+            fmt::format("wavelengths per camera sample, 1 to 64 (default: {})",
+                        settings.wavelengths.count));
+  add_shown(command, "--range", options.range, "A:B",
+            "render only this part of the spectrum, in nm (default: 360:830)");
+  add_shown(command, "--lines", options.lines, "A,B,C",
+            "render exactly these wavelengths, in nm, a spectral channel each");
+  add_shown(command, "--filter", settings.filter, "NAME",
+            fmt::format("reconstruction filter: {} (default: {})", fmt::join(filter_names(), ", "),
+                        settings.filter));
+  add_shown(command, "--depth", settings.max_depth, "N",
+            fmt::format("most surfaces a path may leave (default: {})", settings.max_depth));
+  add_shown(
+      command, "--cutoff", settings.cutoff, "X",
+      fmt::format("weight below which a fan no longer branches (default: {:g})", settings.cutoff));
+  command.add_flag("--drop", settings.drop,
+                   "end fans below the cutoff instead of following one child; loses energy");
+  add_shown(command, "--seed", settings.seed, "N", "of the sampling pattern (default: 0)");
+}
+
+void resolve_settings(SceneOptions& options) {
+  RenderSettings& settings = options.settings;
+  settings.mode = mode_from_name(options.mode);
+  if (!options.size.empty()) settings.size = parse_size(options.size);
+  if (!options.range.empty()) {
+    const auto [low, high] = parse_range(options.range);
+    settings.wavelengths.range_min_nm = low;
+    settings.wavelengths.range_max_nm = high;
+  }
+  if (!options.lines.empty()) settings.wavelengths.exact_nm = parse_lines(options.lines);
+  settings.wavelengths.seed = settings.seed;
+  settings.threads = options.threads;
+  RenderSettings without_crop = settings;
+  // Whether a crop fits shows when the size is known.
+  if (options.size.empty()) without_crop.crop.reset();
+  check_settings(without_crop);
+}
+
+void add_display_options(CLI::App& command, DisplayArguments& arguments) {
+  DisplayOptions& options = arguments.options;
+  add_shown(command, "--config", arguments.config, "FILE",
+            "OpenColorIO configuration (default: $OCIO, then abbe's own)");
+  add_shown(command, "--display", options.display, "NAME",
+            fmt::format("OCIO display of PNG, JPEG and TIFF (default: {})", options.display));
+  add_shown(command, "--view", options.view, "NAME",
+            fmt::format("OCIO view of it (default: {})", options.view));
+  add_shown(command, "--exposure", arguments.exposure, "EV|auto",
+            "brightens the display image by EV stops; the EXR stays as it is (default: 0)");
+}
+
+void resolve_display(DisplayArguments& arguments) {
+  if (!arguments.config.empty()) arguments.options.config = arguments.config;
+  const std::optional<double> exposure = parse_exposure(arguments.exposure);
+  arguments.options.auto_exposure = !exposure;
+  arguments.options.exposure_ev = exposure.value_or(0.0);
+}
+
+}  // namespace abbe

@@ -1,0 +1,49 @@
+/// Options that several commands share, as they are typed.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "display/display.h"
+#include "render/settings.h"
+
+namespace abbe {
+
+/// A scene, a camera, and how light is followed: what render and probe have in common.
+struct SceneOptions {
+  std::string file;
+  std::string scene_name, camera_name;  ///< Empty: the file's own, the first.
+  std::string size;                     ///< Empty: in the camera's shape.
+  std::string mode = "spectral";
+  std::string range, lines;
+  int threads = 0;
+  RenderSettings settings;  ///< The numbers; complete after resolve_settings.
+};
+
+void add_scene_options(CLI::App& command, SceneOptions& options);
+
+/// Turns texts into settings and checks them as far as possible without a scene: with a default
+/// size where none is given. Errors: a usage Error.
+void resolve_settings(SceneOptions& options);
+
+/// Settings for images by OpenColorIO: what --config, --display, --view and --exposure say.
+struct DisplayArguments {
+  std::string config;
+  std::string exposure = "0";
+  DisplayOptions options;
+};
+
+void add_display_options(CLI::App& command, DisplayArguments& arguments);
+
+/// Turns texts into options. Errors: a usage Error.
+void resolve_display(DisplayArguments& arguments);
+
+/// Adds an option whose help shows `placeholder` and, where it has one, the default.
+template <typename T>
+CLI::Option* add_shown(CLI::App& command, const std::string& name, T& value,
+                       const std::string& placeholder, const std::string& description) {
+  return command.add_option(name, value, description)->option_text(placeholder);
+}
+
+}  // namespace abbe

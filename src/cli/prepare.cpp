@@ -1,0 +1,54 @@
+#include "cli/prepare.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "cli/parse.h"
+#include "load/gltf.h"
+
+namespace abbe {
+namespace {
+
+std::size_t camera_index(const Scene& scene, const std::string& name) {
+  if (name.empty()) return 0;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
+    if (scene.cameras[i].name == name) return i;
+    names.push_back(scene.cameras[i].name.empty() ? std::to_string(i) : scene.cameras[i].name);
+  }
+  const auto number = whole_number_of(name);
+  if (number && *number >= 0 && static_cast<std::size_t>(*number) < scene.cameras.size()) {
+    return static_cast<std::size_t>(*number);
+  }
+  throw_usage_error("--camera", "\"" + name + "\"", "a camera of the scene", names);
+}
+
+}  // namespace
+
+PreparedScene prepare_scene(const SceneOptions& options, const Catalogue& catalogue, Notes& notes) {
+  LoadOptions load;
+  if (!options.scene_name.empty()) load.scene_name = options.scene_name;
+  PreparedScene prepared;
+  prepared.scene = load_gltf(options.file, catalogue, load, notes);
+  prepared.has_default_lights = add_default_lights(prepared.scene);
+  prepared.has_default_camera = add_default_camera(prepared.scene);
+  if (prepared.has_default_lights) {
+    notes.info("", "the scene has no light of its own: lit by a default key and fill light");
+  }
+  if (prepared.has_default_camera) {
+    notes.info("", "the scene has no camera: seen by a default one that frames it");
+  }
+  prepared.camera = camera_index(prepared.scene, options.camera_name);
+  return prepared;
+}
+
+void settle_size(SceneOptions& options, const Camera& camera) {
+  if (options.size.empty()) options.settings.size = default_size(camera);
+  check_settings(options.settings);
+}
+
+Standards read_standards(const Catalogue& catalogue) {
+  return {catalogue.observer(), catalogue.illuminant("illuminant/D65")};
+}
+
+}  // namespace abbe

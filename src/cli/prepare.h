@@ -1,0 +1,39 @@
+/// From a file to a scene that can be looked at.
+#pragma once
+
+#include <cstddef>
+
+#include "base/notes.h"
+#include "cli/console.h"
+#include "cli/options.h"
+#include "load/catalogue.h"
+#include "scene/scene.h"
+#include "world/world.h"
+
+namespace abbe {
+
+/// A scene with at least one camera and one source of light, and what was chosen for it.
+struct PreparedScene {
+  Scene scene;
+  std::size_t camera = 0;
+  bool has_default_lights = false;
+  bool has_default_camera = false;
+
+  const Camera& chosen_camera() const { return scene.cameras[camera]; }
+};
+
+/// Loads the scene, adds a default rig and a default camera where there is none, and picks the
+/// camera. Errors: an input Error for the file; a usage Error for an unknown scene or camera.
+PreparedScene prepare_scene(const SceneOptions& options, const Catalogue& catalogue, Notes& notes);
+
+/// Completes the settings by the camera and checks them again. Errors: a usage Error.
+void settle_size(SceneOptions& options, const Camera& camera);
+
+/// The observer and the white that everything is measured by.
+struct Standards {
+  Observer observer;
+  Spectrum d65;
+};
+Standards read_standards(const Catalogue& catalogue);
+
+}  // namespace abbe

@@ -1,0 +1,82 @@
+#include "cli/provenance.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <set>
+
+#include "base/isa.h"
+#include "spectrum/spectrum.h"
+
+namespace abbe {
+namespace {
+
+// In what the lamps of a scene are given: ids of the catalogue, or "scene" for its own spectra.
+std::string lamps_text(const World& world) {
+  std::set<std::string> names;
+  for (const std::string& id : world.lamp_ids) names.insert(id.empty() ? "scene" : id);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+void add_wavelengths(const RenderSettings& settings, std::map<std::string, Attribute>& out) {
+  if (settings.mode != Mode::Spectral) return;
+  const WavelengthOptions& wavelengths = settings.wavelengths;
+  if (!wavelengths.exact_nm.empty()) {
+    out["abbe:lines"] = fmt::format("{:g} nm", fmt::join(wavelengths.exact_nm, ", "));
+    return;
+  }
+  out["abbe:wavelengths"] = wavelengths.count;
+  out["abbe:range"] =
+      fmt::format("{:g}:{:g} nm", wavelengths.range_min_nm, wavelengths.range_max_nm);
+  if (settings.bands) {
+    out["abbe:bands"] = fmt::format("{:g}:{:g}:{:g} nm", settings.bands->begin_nm,
+                                    settings.bands->end_nm, settings.bands->step_nm);
+  }
+}
+
+}  // namespace
+
+std::map<std::string, Attribute> provenance(const PreparedScene& prepared, const World& world,
+                                            const RenderSettings& settings,
+                                            const std::string& color_space, bool is_complete) {
+  const Observer& observer = world.lanes.observer();
+  std::map<std::string, Attribute> out;
+  out["abbe:version"] = std::string(ABBE_VERSION);
+  out["abbe:isa"] = isa_level();
+  out["abbe:complete"] = is_complete ? 1 : 0;
+  out["abbe:mode"] = mode_name(settings.mode);
+
+  out["abbe:observer"] =
+      fmt::format("{}, integral of y-bar {:.6f} nm", observer.id, integral(observer.y_bar));
+  out["abbe:illuminant"] = lamps_text(world);
+  out["abbe:uplift"] = settings.mode == Mode::Spectral ? std::string("Jakob-Hanika 2019, Rec.709")
+                                                       : std::string("none");
+  out["abbe:primaries"] = color_space;
+  out["abbe:white"] = std::string("D65 adapted to xy 0.3127, 0.3290 by CAT16");
+  out["abbe:unit"] = std::string("D65 at 1 cd/m2 is 1, 1, 1");
+
+  out["abbe:sceneHash"] = prepared.scene.content_hash;
+  if (!prepared.scene.name.empty()) out["abbe:scene"] = prepared.scene.name;
+  out["abbe:camera"] = prepared.has_default_camera             ? std::string("default")
+                       : prepared.chosen_camera().name.empty() ? fmt::format("{}", prepared.camera)
+                                                               : prepared.chosen_camera().name;
+  if (prepared.has_default_lights) out["abbe:lights"] = std::string("default");
+
+  add_wavelengths(settings, out);
+  out["abbe:samples"] = settings.samples_per_pixel;
+  out["abbe:filter"] = settings.filter;
+  out["abbe:depth"] = settings.max_depth;
+  out["abbe:cutoff"] = settings.cutoff;
+  out["abbe:drop"] = settings.drop ? 1 : 0;
+  out["abbe:seed"] = fmt::format("{}", settings.seed);
+
+  if (settings.bands || !settings.wavelengths.exact_nm.empty()) {
+    // The layout of Fichet, Pacanowski & Wilkie, JCGT 10(3), 2021.
+    out["spectralLayoutVersion"] = std::string("1.0");
+    out["emissiveUnits"] = std::string("W.m^-2.sr^-1");
+    out["EV"] = 0.0f;
+  }
+  return out;
+}
+
+}  // namespace abbe

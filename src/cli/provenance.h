@@ -1,0 +1,19 @@
+/// What an EXR file says about how it was made.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "cli/prepare.h"
+#include "image/image.h"
+#include "render/render.h"
+
+namespace abbe {
+
+/// Attributes of a rendered image: everything that shapes it, and nothing else: no paths, dates,
+/// thread counts or command lines, so that the same settings give the same bytes.
+std::map<std::string, Attribute> provenance(const PreparedScene& prepared, const World& world,
+                                            const RenderSettings& settings,
+                                            const std::string& color_space, bool is_complete);
+
+}  // namespace abbe

@@ -1,0 +1,195 @@
+/// `abbe render`: a scene in, images out.
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "cli/commands.h"
+#include "cli/console.h"
+#include "cli/interrupt.h"
+#include "cli/options.h"
+#include "cli/outputs.h"
+#include "cli/parse.h"
+#include "cli/prepare.h"
+#include "cli/progress.h"
+#include "cli/provenance.h"
+#include "cli/stats.h"
+#include "image/exr.h"
+#include "image/raster.h"
+#include "render/render.h"
+
+namespace abbe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+struct RenderArguments {
+  SceneOptions scene;
+  DisplayArguments display;
+  std::vector<std::string> outputs;
+  std::string bands, crop, aovs, stats_file;
+  std::string color_space = kRenderSpace;
+  bool half = false;
+  bool quiet = false;
+
+  std::vector<std::filesystem::path> output_files() const {
+    return {outputs.begin(), outputs.end()};
+  }
+  bool has_output(OutputKind kind) const {
+    for (const std::string& file : outputs) {
+      if (output_kind(file) == kind) return true;
+    }
+    return false;
+  }
+};
+
+// Everything that can be found wrong without reading the scene.
+void check_arguments(RenderArguments& arguments) {
+  RenderSettings& settings = arguments.scene.settings;
+  if (!arguments.bands.empty()) settings.bands = parse_bands(arguments.bands);
+  if (!arguments.crop.empty()) settings.crop = parse_crop(arguments.crop);
+  if (!arguments.aovs.empty()) settings.aovs = parse_names(arguments.aovs);
+  resolve_settings(arguments.scene);
+  resolve_display(arguments.display);
+  check_outputs(arguments.output_files());
+  if (!arguments.stats_file.empty()) check_writable(arguments.stats_file);
+  if (arguments.has_output(OutputKind::Raster)) check_display(arguments.display.options);
+  if (arguments.color_space != kRenderSpace) {
+    check_color_space(arguments.color_space, arguments.display.options);
+  }
+}
+
+// Display images first: they are made of the rendered space, which the EXR may leave.
+void write_images(const RenderArguments& arguments, Image& image) {
+  if (arguments.has_output(OutputKind::Raster)) {
+    const Image shown = to_display(image, arguments.display.options);
+    for (const std::string& file : arguments.outputs) {
+      if (output_kind(file) == OutputKind::Raster) write_raster(file, shown);
+    }
+  }
+  if (!arguments.has_output(OutputKind::Exr)) return;
+  if (arguments.color_space != kRenderSpace) {
+    convert_space(image, kRenderSpace, arguments.color_space, arguments.display.options);
+  }
+  const ExrOptions options{.half = arguments.half,
+                           .chromaticities = chromaticities_of(arguments.color_space)};
+  for (const std::string& file : arguments.outputs) {
+    if (output_kind(file) == OutputKind::Exr) write_exr(file, image, options);
+  }
+}
+
+void write_text(const std::filesystem::path& target, const std::string& text) {
+  write_atomically(target, [&](const std::filesystem::path& temporary) {
+    std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
+    stream << text;
+    stream.close();
+    if (!stream) {
+      throw_output_error(target.string(), "a file that could not be written to its end",
+                         "a place with room for it");
+    }
+  });
+}
+
+std::string summary(const RenderArguments& arguments, const RenderResult& result,
+                    const RenderTimes& times) {
+  std::string text = fmt::format("{} in {:.1f} s, {:.3g} million rays/s",
+                                 result.complete ? "rendered" : "interrupted", times.total_seconds,
+                                 rays_per_second(result.stats, times.render_seconds) * 1e-6);
+  const char* separator = ": ";
+  for (const std::string& file : arguments.outputs) {
+    text += separator + file;
+    separator = ", ";
+  }
+  return text;
+}
+
+ExitCode run_render(RenderArguments& arguments) {
+  const Clock::time_point start = Clock::now();
+  check_arguments(arguments);
+  const Console console(arguments.quiet);
+  const ThreadLimit threads(arguments.scene.threads);
+  const RenderSettings& settings = arguments.scene.settings;
+  RenderTimes times;
+
+  Notes notes;
+  const Catalogue catalogue = Catalogue::standard();
+  const Standards standards = read_standards(catalogue);
+  const PreparedScene prepared = prepare_scene(arguments.scene, catalogue, notes);
+  settle_size(arguments.scene, prepared.chosen_camera());
+  times.load_seconds = seconds_since(start);
+
+  const World world =
+      make_world(prepared.scene, {.mode = settings.mode, .wavelengths = settings.wavelengths},
+                 standards.observer, standards.d65, notes);
+  times.build_seconds = world.build_seconds;
+  console.show(notes);
+
+  const InterruptGuard interrupt;
+  ProgressLine progress(console.is_live());
+  RenderResult result = render(
+      world, prepared.chosen_camera(), settings,
+      [&progress](double fraction_done) { progress.update(fraction_done); }, &interrupt.flag());
+  progress.wipe();
+  times.render_seconds = result.seconds;
+  if (result.dropped_samples > 0) {
+    console.say(fmt::format("warning: {} camera samples were not finite and were left out",
+                            result.dropped_samples));
+  }
+
+  const Clock::time_point write_start = Clock::now();
+  result.image.attributes =
+      provenance(prepared, world, settings, arguments.color_space, result.complete);
+  write_images(arguments, result.image);
+  times.write_seconds = seconds_since(write_start);
+  times.total_seconds = seconds_since(start);
+  if (!arguments.stats_file.empty()) {
+    const auto threads_used = static_cast<int>(oneapi::tbb::global_control::active_value(
+        oneapi::tbb::global_control::max_allowed_parallelism));
+    write_text(arguments.stats_file, stats_json(world, result, times, threads_used).dump(2) + "\n");
+  }
+  console.say(summary(arguments, result, times));
+  return result.complete ? ExitCode::Done : ExitCode::Interrupted;
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& program, ExitCode& code) {
+  CLI::App& command = *program.add_subcommand("render", "Render a scene to images");
+  const auto arguments = std::make_shared<RenderArguments>();
+  RenderSettings& settings = arguments->scene.settings;
+  add_scene_options(command, arguments->scene);
+  add_shown(command, "-o,--output", arguments->outputs, "FILE",
+            "image to write, .exr scene-linear or .png, .jpg, .tif through OCIO; repeatable")
+      ->allow_extra_args(false)
+      ->required();
+  add_shown(command, "--spp", settings.samples_per_pixel, "N",
+            fmt::format("camera samples per pixel (default: {})", settings.samples_per_pixel));
+  add_shown(command, "--bands", arguments->bands, "A:B:STEP",
+            "spectral channels beside RGB: bands [A + i STEP, A + (i+1) STEP), in nm");
+  add_shown(command, "--crop", arguments->crop, "X0,Y0,X1,Y1",
+            "render only these pixels, half-open");
+  add_shown(command, "--aov", arguments->aovs, "LIST",
+            "extra channels: Z, P, N, albedo, UV, objectId, materialId");
+  add_shown(command, "--threads", arguments->scene.threads, "N",
+            "threads to use (default: all cores)");
+  add_shown(command, "--colorspace", arguments->color_space, "NAME",
+            fmt::format("OCIO colour space of the EXR's RGB (default: {})", kRenderSpace));
+  command.add_flag("--half", arguments->half, "half instead of float for colours in the EXR");
+  add_display_options(command, arguments->display);
+  add_shown(command, "--stats", arguments->stats_file, "FILE.json",
+            "write times, counts of rays and memory");
+  command.add_flag("--quiet", arguments->quiet, "say nothing but errors");
+  command.callback([arguments, &code] { code = run_render(*arguments); });
+}
+
+}  // namespace abbe

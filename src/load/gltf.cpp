@@ -108,6 +108,10 @@ class Placer {
     if (result.shape) {
       result.shape->name = source.name.empty() ? fmt::format("mesh {}", mesh) : source.name;
       result.shape->material = material_index(source.primitives.front().material);
+      if (source.primitives.size() > 1) {
+        document_.notes().warn(document_.where(fmt::format("/meshes/{}/primitives", mesh)),
+                               "an ABBE_shape has one material: that of the first primitive");
+      }
       return converted_.emplace(mesh, std::move(result)).first->second;
     }
     for (std::size_t i = 0; i < source.primitives.size(); ++i) {
@@ -197,6 +201,15 @@ class Placer {
   void count(const Converted& source, const std::string& pointer) {
     constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 28;
     constexpr std::uint64_t kMostInstances = std::uint64_t{1} << 22;
+    constexpr std::uint64_t kMostPlanes = std::uint64_t{1} << 20;
+    if (source.shape) {
+      const auto* body = std::get_if<ConvexShape>(&source.shape->geometry);
+      placed_planes_ += body == nullptr ? 0 : body->planes.size();
+      if (placed_planes_ > kMostPlanes) {
+        throw_input_error(document_.where(pointer), "more planes of convex bodies",
+                          fmt::format("at most {}", kMostPlanes));
+      }
+    }
     placed_triangles_ += source.triangles;
     if (placed_triangles_ > kMostTriangles) {
       throw_input_error(document_.where(pointer),
@@ -217,6 +230,7 @@ class Placer {
   std::map<int, Converted> converted_;
   std::optional<std::uint32_t> default_material_;
   std::uint64_t placed_triangles_ = 0;
+  std::uint64_t placed_planes_ = 0;
 };
 
 std::optional<int> chosen_scene(const Document& document, const tinygltf::Model& model,

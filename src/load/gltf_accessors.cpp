@@ -79,33 +79,40 @@ float to_float(const std::uint8_t* bytes, bool normalized) {
                   -1.0f);
 }
 
+// A run of elements in memory, and those wanted of it.
+struct Source {
+  const std::uint8_t* data;
+  std::size_t stride;
+  int component_type;
+  int components;
+  bool normalized;
+  const Selection& selected;
+};
+
 template <typename T, int N>
-void decode(const std::uint8_t* data, std::size_t stride, std::size_t count, int components,
-            bool normalized, std::vector<glm::vec<N, float>>& out) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint8_t* element = data + i * stride;
-    for (int c = 0; c < components; ++c) {
-      out[i][c] = to_float<T>(element + static_cast<std::size_t>(c) * sizeof(T), normalized);
+void decode_as(const Source& source, std::vector<glm::vec<N, float>>& out) {
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const std::size_t at = source.selected ? (*source.selected)[i] : i;
+    const std::uint8_t* element = source.data + at * source.stride;
+    for (int c = 0; c < source.components; ++c) {
+      out[i][c] = to_float<T>(element + static_cast<std::size_t>(c) * sizeof(T), source.normalized);
     }
   }
 }
 
 template <int N>
-void decode(int component_type, const std::uint8_t* data, std::size_t stride, std::size_t count,
-            int components, bool normalized, std::vector<glm::vec<N, float>>& out) {
-  switch (component_type) {
+void decode(const Source& source, std::vector<glm::vec<N, float>>& out) {
+  switch (source.component_type) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return decode<std::int8_t, N>(data, stride, count, components, normalized, out);
+      return decode_as<std::int8_t, N>(source, out);
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return decode<std::uint8_t, N>(data, stride, count, components, normalized, out);
+      return decode_as<std::uint8_t, N>(source, out);
     case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return decode<std::int16_t, N>(data, stride, count, components, normalized, out);
+      return decode_as<std::int16_t, N>(source, out);
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return decode<std::uint16_t, N>(data, stride, count, components, normalized, out);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-      return decode<std::uint32_t, N>(data, stride, count, components, normalized, out);
+      return decode_as<std::uint16_t, N>(source, out);
     default:
-      return decode<float, N>(data, stride, count, components, normalized, out);
+      return decode_as<float, N>(source, out);
   }
 }
 
@@ -280,7 +287,8 @@ std::vector<std::uint32_t> Accessors::sparse_indices(int accessor) {
 }
 
 template <int N>
-void Accessors::apply_sparse(int accessor, std::vector<glm::vec<N, float>>& elements, float fill) {
+void Accessors::apply_sparse(int accessor, const Selection& selected, float fill,
+                             std::vector<glm::vec<N, float>>& elements) {
   const tinygltf::Accessor& a = model_.accessors[at(accessor)];
   const std::vector<std::uint32_t> indices = sparse_indices(accessor);
   const int components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type));
@@ -288,24 +296,37 @@ void Accessors::apply_sparse(int accessor, std::vector<glm::vec<N, float>>& elem
                                 static_cast<std::size_t>(a.sparse.values.byteOffset),
                                 a.componentType, components, "values");
   std::vector<glm::vec<N, float>> replacements(values.count, glm::vec<N, float>(fill));
-  decode<N>(a.componentType, values.data, values.stride, values.count, components, a.normalized,
+  const Selection all;
+  decode<N>({values.data, values.stride, a.componentType, components, a.normalized, all},
             replacements);
-  for (std::size_t i = 0; i < indices.size(); ++i) elements[indices[i]] = replacements[i];
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    std::size_t place = indices[i];
+    if (selected) {
+      const auto found = std::lower_bound(selected->begin(), selected->end(), indices[i]);
+      if (found == selected->end() || *found != indices[i]) continue;
+      place = static_cast<std::size_t>(found - selected->begin());
+    }
+    elements[place] = replacements[i];
+  }
 }
 
 template <int N>
-std::vector<glm::vec<N, float>> Accessors::read(int accessor, float fill) {
+std::vector<glm::vec<N, float>> Accessors::read(int accessor, const Selection& selected,
+                                                float fill) {
   const Run run = run_of(accessor);
-  std::vector<glm::vec<N, float>> elements(run.count, glm::vec<N, float>(fill));
-  if (run.data == nullptr) {
+  std::vector<glm::vec<N, float>> elements(selected ? selected->size() : run.count,
+                                           glm::vec<N, float>(fill));
+  if (run.data != nullptr) {
+    decode<N>({run.data, run.stride, run.component_type, run.components, run.normalized, selected},
+              elements);
+  } else {
     for (auto& element : elements) {
       for (int c = 0; c < run.components; ++c) element[c] = 0.0f;
     }
-  } else {
-    decode<N>(run.component_type, run.data, run.stride, run.count, run.components, run.normalized,
-              elements);
   }
-  if (model_.accessors[at(accessor)].sparse.isSparse) apply_sparse<N>(accessor, elements, fill);
+  if (model_.accessors[at(accessor)].sparse.isSparse) {
+    apply_sparse<N>(accessor, selected, fill, elements);
+  }
   return elements;
 }
 
@@ -340,28 +361,32 @@ void Accessors::check_components(int accessor, const std::string& user, Componen
   }
 }
 
-std::vector<Vec2f> Accessors::vec2(int accessor, const std::string& user, Components allowed) {
+std::vector<Vec2f> Accessors::vec2(int accessor, const std::string& user, Components allowed,
+                                   const Selection& selected) {
   require_type(accessor, user, {TINYGLTF_TYPE_VEC2});
   check_components(accessor, user, allowed);
-  return read<2>(accessor, 0.0f);
+  return read<2>(accessor, selected, 0.0f);
 }
 
-std::vector<Vec3f> Accessors::vec3(int accessor, const std::string& user, Components allowed) {
+std::vector<Vec3f> Accessors::vec3(int accessor, const std::string& user, Components allowed,
+                                   const Selection& selected) {
   require_type(accessor, user, {TINYGLTF_TYPE_VEC3});
   check_components(accessor, user, allowed);
-  return read<3>(accessor, 0.0f);
+  return read<3>(accessor, selected, 0.0f);
 }
 
-std::vector<Vec4f> Accessors::vec4(int accessor, const std::string& user, Components allowed) {
+std::vector<Vec4f> Accessors::vec4(int accessor, const std::string& user, Components allowed,
+                                   const Selection& selected) {
   require_type(accessor, user, {TINYGLTF_TYPE_VEC4});
   check_components(accessor, user, allowed);
-  return read<4>(accessor, 0.0f);
+  return read<4>(accessor, selected, 0.0f);
 }
 
-std::vector<Vec4f> Accessors::color(int accessor, const std::string& user, Components allowed) {
+std::vector<Vec4f> Accessors::color(int accessor, const std::string& user, Components allowed,
+                                    const Selection& selected) {
   require_type(accessor, user, {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4});
   check_components(accessor, user, allowed);
-  return read<4>(accessor, 1.0f);
+  return read<4>(accessor, selected, 1.0f);
 }
 
 std::vector<std::uint32_t> Accessors::indices(int accessor, const std::string& user) {

@@ -20,18 +20,26 @@ enum class Components {
   AnyQuantized,  ///< Also what KHR_mesh_quantization allows: signed and not normalized ones.
 };
 
+/// Some of an accessor's elements, by rising index; nothing means all.
+using Selection = std::optional<std::vector<std::uint32_t>>;
+
 /// Reads accessors. Buffers are fetched when they are first needed.
 class Accessors {
  public:
   Accessors(Document& document, const tinygltf::Model& model);
 
-  /// Elements as floats; integers are normalized where the accessor says so.
+  /// Elements as floats; integers are normalized where the accessor says so. `selected` are the
+  /// elements wanted, rising; all by default.
   /// Errors: input Error at the accessor when the type is another, or data lie outside.
-  std::vector<Vec2f> vec2(int accessor, const std::string& user, Components allowed);
-  std::vector<Vec3f> vec3(int accessor, const std::string& user, Components allowed);
-  std::vector<Vec4f> vec4(int accessor, const std::string& user, Components allowed);
+  std::vector<Vec2f> vec2(int accessor, const std::string& user, Components allowed,
+                          const Selection& selected = {});
+  std::vector<Vec3f> vec3(int accessor, const std::string& user, Components allowed,
+                          const Selection& selected = {});
+  std::vector<Vec4f> vec4(int accessor, const std::string& user, Components allowed,
+                          const Selection& selected = {});
   /// VEC3 or VEC4; a missing fourth component is 1.
-  std::vector<Vec4f> color(int accessor, const std::string& user, Components allowed);
+  std::vector<Vec4f> color(int accessor, const std::string& user, Components allowed,
+                           const Selection& selected = {});
   std::vector<std::uint32_t> indices(int accessor, const std::string& user);
 
   std::size_t count(int accessor) const { return model_.accessors[at(accessor)].count; }
@@ -59,9 +67,10 @@ class Accessors {
   Run run_of(int accessor);
   void check_components(int accessor, const std::string& user, Components allowed) const;
   template <int N>
-  std::vector<glm::vec<N, float>> read(int accessor, float fill);
+  std::vector<glm::vec<N, float>> read(int accessor, const Selection& selected, float fill);
   template <int N>
-  void apply_sparse(int accessor, std::vector<glm::vec<N, float>>& elements, float fill);
+  void apply_sparse(int accessor, const Selection& selected, float fill,
+                    std::vector<glm::vec<N, float>>& elements);
   std::vector<std::uint32_t> read_integers(const Run& run) const;
   std::vector<std::uint32_t> sparse_indices(int accessor);
   Run sparse_run(int accessor, int view_index, std::size_t byte_offset, int component_type,

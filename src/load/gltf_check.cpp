@@ -435,7 +435,7 @@ void check_extensions(Document& document) {
       const auto name = (*used)[i].get<std::string>();
       if (!is_understood(name)) {
         document.notes().warn(document.where(fmt::format("/extensionsUsed/{}", i)),
-                              "extension " + name + " is not known; ignored");
+                              "extension " + name + " is not supported; ignored");
       }
     }
   }

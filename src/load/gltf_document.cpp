@@ -43,8 +43,8 @@ Json parse(std::string_view text, const std::string& file_name) {
     std::string cause = error.what();
     const std::size_t colon = cause.rfind("; expected");
     if (colon != std::string::npos) cause.resize(colon);
-    const std::size_t start = cause.find(": ");
-    if (start != std::string::npos) cause = cause.substr(start + 2);
+    const std::size_t start = cause.find(" - ");
+    if (start != std::string::npos) cause = cause.substr(start + 3);
     throw_input_error(fmt::format("{}: line {}, column {}", file_name, line, column), cause,
                       "JSON");
   } catch (const Json::exception& error) {
@@ -83,8 +83,11 @@ Document::Document(const std::filesystem::path& file, Notes& notes)
   if (error) throw_input_error(file_name_, "no such folder", "an existing folder");
 
   if (bytes.empty()) throw_input_error(file_name_, "an empty file", "a glTF file");
-  if (starts_with(bytes, {0x1f, 0x8b})) {
-    throw_input_error(file_name_, "gzip-compressed data", "an uncompressed .gltf or .glb file");
+  // gzip, and zlib at its levels of compression.
+  for (const int level : {0x01, 0x5e, 0x9c, 0xda}) {
+    if (starts_with(bytes, {0x1f, 0x8b}) || starts_with(bytes, {0x78, level})) {
+      throw_input_error(file_name_, "compressed data", "an uncompressed .gltf or .glb file");
+    }
   }
   if (starts_with(bytes, {0xff, 0xfe}) || starts_with(bytes, {0xfe, 0xff}) ||
       starts_with(bytes, {'{', 0})) {

@@ -36,7 +36,9 @@ class Document {
   std::optional<Bytes> binary_chunk() const { return binary_chunk_; }
 
   /// Place for messages: the file and a JSON pointer.
-  std::string where(const std::string& pointer) const { return file_name_ + ": " + pointer; }
+  std::string where(const std::string& pointer) const {
+    return pointer.empty() ? file_name_ : file_name_ + ": " + pointer;
+  }
   const std::string& file_name() const { return file_name_; }
 
   /// A file that the document names, inside its folder. `uri` may be percent-encoded.

@@ -28,13 +28,24 @@ double finite_number(const Json& value, const std::string& where, Range range) {
   return number;
 }
 
-double limit(double value, Range range, const std::string& where, Notes& notes) {
-  const double limited = std::clamp(value, range.low, range.high);
-  if (limited != value) {
-    notes.warn(where, fmt::format("{:g} is outside {:g} to {:g}; limited to {:g}", value, range.low,
-                                  range.high, limited));
+void limit_all(std::span<double> values, Range range, const std::string& where, Notes& notes) {
+  std::string found;
+  bool is_changed = false;
+  for (double& value : values) {
+    found += fmt::format("{}{:g}", found.empty() ? "" : ", ", value);
+    const double limited = std::clamp(value, range.low, range.high);
+    is_changed = is_changed || limited != value;
+    value = limited;
   }
-  return limited;
+  if (is_changed) {
+    notes.warn(where,
+               fmt::format("{} is outside {:g} to {:g}; limited", found, range.low, range.high));
+  }
+}
+
+double limit(double value, Range range, const std::string& where, Notes& notes) {
+  limit_all({&value, 1}, range, where, notes);
+  return value;
 }
 
 Fields::Fields(Document& document, const Json& object, std::string pointer)
@@ -69,9 +80,9 @@ Vec3d Fields::limited_triple(const char* name, const Vec3d& otherwise, Range ran
   Vec3d result;
   for (int c = 0; c < 3; ++c) {
     const std::string place = where(name) + "/" + std::to_string(c);
-    result[c] = limit(finite_number(value[static_cast<std::size_t>(c)], place, {}), range, place,
-                      document_->notes());
+    result[c] = finite_number(value[static_cast<std::size_t>(c)], place, {});
   }
+  limit_all({&result[0], 3}, range, where(name), document_->notes());
   return result;
 }
 

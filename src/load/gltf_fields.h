@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "load/gltf_document.h"
@@ -56,5 +57,8 @@ double finite_number(const Json& value, const std::string& where, Range range);
 
 /// Limits a value, with a warning when that changes it.
 double limit(double value, Range range, const std::string& where, Notes& notes);
+
+/// Limits each value, with one warning when that changes any.
+void limit_all(std::span<double> values, Range range, const std::string& where, Notes& notes);
 
 }  // namespace abbe::gltf

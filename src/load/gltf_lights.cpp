@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "load/gltf_check.h"
 #include "load/gltf_fields.h"
+#include "scene/convex.h"
 
 namespace abbe::gltf {
 namespace {
@@ -35,7 +36,7 @@ double magnification(const Fields& orthographic, const char* name, Notes& notes)
 std::vector<Vec4d> read_planes(const Fields& convex) {
   convex.only({"planes"});
   // Corners are found from all triples of planes.
-  constexpr std::size_t kFewest = 4, kMost = 128;
+  constexpr std::size_t kFewest = 4, kMost = 64;
   const Json* planes = convex.has("planes") ? &convex.at("planes") : nullptr;
   if (planes == nullptr || !planes->is_array() || planes->size() < kFewest ||
       planes->size() > kMost) {
@@ -153,7 +154,16 @@ std::optional<Shape> read_shape(Document& document, int mesh) {
     sphere->only({"radius"});
     shape.geometry = SphereShape{positive(*sphere, "radius")};
   } else if (const auto convex = fields.object("convex")) {
-    shape.geometry = ConvexShape{read_planes(*convex)};
+    ConvexShape body{read_planes(*convex)};
+    if (!is_bounded(body)) {
+      throw_input_error(convex->where("planes"), "planes that leave the body open",
+                        "planes all around it, their normals pointing out");
+    }
+    if (corners_of(body).empty()) {
+      throw_input_error(convex->where("planes"), "planes that leave no body between them",
+                        "planes with a body inside");
+    }
+    shape.geometry = std::move(body);
   }
   return shape;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "base/error.h"
@@ -21,13 +22,11 @@ std::optional<TextureUse> read_texture(const Fields& fields, const char* name, T
 
 void read_base_color(const Fields& pbr, Notes& notes, Material& material) {
   if (!pbr.has("baseColorFactor")) return;
-  const Json& factor = pbr.at("baseColorFactor");
-  for (int c = 0; c < 4; ++c) {
-    const std::string place = pbr.where("baseColorFactor") + "/" + std::to_string(c);
-    // Above 1 a surface would give back more light than it gets.
-    material.base_color_rec709[c] = static_cast<float>(
-        limit(factor[static_cast<std::size_t>(c)].get<double>(), kUnit, place, notes));
-  }
+  std::array<double, 4> factor{};
+  for (std::size_t c = 0; c < 4; ++c) factor[c] = pbr.at("baseColorFactor")[c].get<double>();
+  // Above 1 a surface would give back more light than it gets.
+  limit_all(factor, kUnit, pbr.where("baseColorFactor"), notes);
+  material.base_color_rec709 = Vec4f(Vec4d(factor[0], factor[1], factor[2], factor[3]));
 }
 
 void read_alpha(const Fields& source, Notes& notes, Material& material) {
@@ -56,10 +55,9 @@ void read_emissive(const Fields& source, const std::optional<Fields>& extensions
       strength = extension->number("emissiveStrength", 1.0, {0.0});
     }
   }
-  for (int c = 0; c < 3; ++c) {
-    material.emissive_rec709[c] = static_cast<float>(limit(
-        factor[c] * strength, {0.0, kBrightest_cd_per_m2}, source.where("emissiveFactor"), notes));
-  }
+  Vec3d emitted = strength * factor;
+  limit_all({&emitted[0], 3}, {0.0, kBrightest_cd_per_m2}, source.where("emissiveFactor"), notes);
+  material.emissive_rec709 = Vec3f(emitted);
   material.emissive_texture = read_texture(source, "emissiveTexture", textures);
 }
 
@@ -101,7 +99,7 @@ void read_volume(const Fields& extensions, Notes& notes, Material& material) {
     material.attenuation_distance_m = distance_m;
   }
   if (material.transmission == 0.0f && !extensions.has("ABBE_material")) {
-    notes.warn(extension->pointer().empty() ? "" : extension->where("thicknessFactor"),
+    notes.warn(extension->where("thicknessFactor"),
                "a volume shows only with KHR_materials_transmission; the surface is opaque");
   }
 }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 
 #include "base/error.h"
 #include "load/gltf_check.h"
@@ -35,6 +37,20 @@ std::vector<std::array<std::uint32_t, 3>> assemble(const std::vector<std::uint32
   return triangles;
 }
 
+// Where many primitives share large arrays, each takes only the vertices it uses, and its indices
+// are renumbered to them.
+Selection select(std::vector<std::uint32_t>& indices, std::size_t vertex_count) {
+  if (indices.size() >= vertex_count / 2) return std::nullopt;
+  std::vector<std::uint32_t> used = indices;
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  for (std::uint32_t& index : indices) {
+    index = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), index) -
+                                       used.begin());
+  }
+  return used;
+}
+
 const char* mode_name(int mode) {
   switch (mode) {
     case TINYGLTF_MODE_POINTS:
@@ -60,6 +76,7 @@ void check_range(Document& document, const tinygltf::Accessor& accessor, int ind
     double seen_low = std::numeric_limits<double>::infinity();
     double seen_high = -seen_low;
     for (const Vec3f& p : positions) {
+      if (!std::isfinite(p[c])) return;  // Said elsewhere.
       seen_low = std::min(seen_low, static_cast<double>(p[c]));
       seen_high = std::max(seen_high, static_cast<double>(p[c]));
     }
@@ -94,14 +111,37 @@ std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& mo
   }
   if (!source.targets.empty()) {
     notes.warn(place, "morph targets are not applied: the base shape is rendered");
+  } else if (!source_mesh.weights.empty()) {
+    notes.warn(document.where(fmt::format("/meshes/{}/weights", mesh_index)),
+               "weights of morph targets that are not there");
   }
   const bool is_quantized = uses_extension(document, "KHR_mesh_quantization");
   const Components exact = is_quantized ? Components::AnyQuantized : Components::FloatOnly;
   const Components unorm = is_quantized ? Components::AnyQuantized : Components::FloatOrUnorm;
 
   const std::size_t vertex_count = accessors.count(position_accessor->second);
-  // Every attribute is unpacked before unused vertices can be dropped, so the count is spent first.
-  accessors.spend(vertex_count, pointer);
+  if (vertex_count > std::numeric_limits<std::uint32_t>::max()) {
+    throw_input_error(place, fmt::format("{} vertices", vertex_count), "at most 2^32 - 1");
+  }
+  std::vector<std::uint32_t> indices;
+  Selection selected;
+  if (source.indices >= 0) {
+    accessors.spend(accessors.count(source.indices), pointer);
+    indices = accessors.indices(source.indices, pointer + "/indices");
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      if (indices[i] >= vertex_count) {
+        throw_input_error(document.where(pointer + "/indices"),
+                          fmt::format("index {} at place {}", indices[i], i),
+                          fmt::format("below the number of vertices, {}", vertex_count));
+      }
+    }
+    selected = select(indices, vertex_count);
+  }
+  accessors.spend(selected ? selected->size() : vertex_count, pointer);
+  if (source.indices < 0) {
+    indices.resize(vertex_count);
+    std::iota(indices.begin(), indices.end(), 0u);
+  }
 
   Mesh mesh;
   mesh.name = source_mesh.name.empty() ? fmt::format("mesh {}", mesh_index) : source_mesh.name;
@@ -118,35 +158,21 @@ std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& mo
                         fmt::format("as many as POSITION has, {}", vertex_count));
     }
     if (name == "POSITION") {
-      mesh.positions = accessors.vec3(accessor, user, exact);
+      mesh.positions = accessors.vec3(accessor, user, exact, selected);
+      if (selected) continue;
       check_range(document, model.accessors[static_cast<std::size_t>(accessor)], accessor,
                   mesh.positions);
     } else if (name == "NORMAL") {
-      mesh.normals = accessors.vec3(accessor, user, exact);
+      mesh.normals = accessors.vec3(accessor, user, exact, selected);
     } else if (name == "TANGENT") {
-      mesh.tangents = accessors.vec4(accessor, user, exact);
+      mesh.tangents = accessors.vec4(accessor, user, exact, selected);
     } else if (name == "COLOR_0") {
-      mesh.colors_rec709 = accessors.color(accessor, user, unorm);
+      mesh.colors_rec709 = accessors.color(accessor, user, unorm, selected);
     } else {
-      mesh.uv[name == "TEXCOORD_0" ? 0 : 1] = accessors.vec2(accessor, user, unorm);
+      mesh.uv[name == "TEXCOORD_0" ? 0 : 1] = accessors.vec2(accessor, user, unorm, selected);
     }
   }
 
-  std::vector<std::uint32_t> indices;
-  if (source.indices >= 0) {
-    accessors.spend(accessors.count(source.indices), pointer);
-    indices = accessors.indices(source.indices, pointer + "/indices");
-    for (std::size_t i = 0; i < indices.size(); ++i) {
-      if (indices[i] >= vertex_count) {
-        throw_input_error(document.where(pointer + "/indices"),
-                          fmt::format("index {} at place {}", indices[i], i),
-                          fmt::format("below the number of vertices, {}", vertex_count));
-      }
-    }
-  } else {
-    indices.resize(vertex_count);
-    for (std::size_t i = 0; i < vertex_count; ++i) indices[i] = static_cast<std::uint32_t>(i);
-  }
   if (mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0) {
     notes.warn(place, fmt::format("{} corners are no multiple of 3; the last {} are ignored",
                                   indices.size(), indices.size() % 3));

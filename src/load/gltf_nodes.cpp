@@ -29,6 +29,15 @@ Mat4d from_matrix(const std::vector<double>& m, const std::string& where, Notes&
     for (int column = 0; column < 3; ++column) result[column][3] = 0.0;
     result[3][3] = 1.0;
   }
+  for (int c = 0; c < 3; ++c) {
+    const Vec3d a(result[c]);
+    const Vec3d b(result[(c + 1) % 3]);
+    constexpr double kRounding = 1e-3;  // Writers print a few digits only.
+    if (std::abs(glm::dot(a, b)) > kRounding * glm::length(a) * glm::length(b)) {
+      notes.warn(where, "a shear, which glTF does not allow; rendered as it stands");
+      break;
+    }
+  }
   return result;
 }
 

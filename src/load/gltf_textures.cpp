@@ -38,12 +38,30 @@ void apply_transform(const Fields& transform, TextureUse& use) {
   use.uv_offset = Vec2f(static_cast<float>(offset[0]), static_cast<float>(offset[1]));
 }
 
+// The media type of a data: URI, or nothing.
+std::string data_label(const std::string& uri) {
+  if (uri.rfind("data:", 0) != 0) return "";
+  return uri.substr(5, uri.find_first_of(";,") - 5);
+}
+
+void warn_of_label(Document& document, Bytes bytes, const std::string& label,
+                   const std::string& pointer) {
+  const bool is_png = bytes.size() > 1 && bytes[0] == 0x89 && bytes[1] == 'P';
+  const bool is_jpeg = bytes.size() > 1 && bytes[0] == 0xff && bytes[1] == 0xd8;
+  if ((is_png && label == "image/jpeg") || (is_jpeg && label == "image/png")) {
+    document.notes().warn(
+        document.where(pointer),
+        std::string("labelled ") + label + ", but is a " + (is_png ? "PNG" : "JPEG") + " image");
+  }
+}
+
 }  // namespace
 
 std::optional<TextureUse> Textures::use(const Json& texture_info, const std::string& pointer) {
   const Fields info(document_, texture_info, pointer);
   const std::size_t count = model_.textures.size();
   const double index = info.required_number("index", {0.0, static_cast<double>(count) - 1.0});
+  if (index != std::floor(index)) throw_input_error(info.where("index"), "a fraction", "an index");
   TextureUse use;
   double uv_set = info.number("texCoord", 0.0, {0.0, 1e6});
   if (const auto extensions = info.object("extensions")) {
@@ -130,6 +148,12 @@ std::uint32_t Textures::image(int index) {
   const Bytes bytes = uri != nullptr
                           ? document_.read_uri(uri->get_ref<const std::string&>(), pointer + "/uri")
                           : accessors_.view(view->get<int>(), pointer);
+  const Json* mime = find(&source, "mimeType");
+  warn_of_label(document_, bytes,
+                mime != nullptr  ? mime->get<std::string>()
+                : uri != nullptr ? data_label(uri->get_ref<const std::string&>())
+                                 : "",
+                pointer);
   // Images that share their bytes share their pixels: a small file must not fill the memory.
   const auto same = decoded_.find(bytes.data());
   if (same != decoded_.end()) {

@@ -3,41 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/convex.h"
+
 namespace abbe {
 namespace {
 
 void extend_by_transformed(Box3f& box, const Vec3d& point, const Mat4d& to_world) {
   const Vec3d p(to_world * Vec4d(point, 1.0));
   box.extend(Vec3f(p));
-}
-
-// Corners of a convex polyhedron: where three of its planes meet and no other cuts the point off.
-void extend_by_convex(Box3f& box, const ConvexShape& shape, const Mat4d& to_world) {
-  std::vector<Vec4d> planes;
-  for (const Vec4d& plane : shape.planes) {
-    const double length = glm::length(Vec3d(plane));
-    if (length > 0.0) planes.push_back(plane / length);
-  }
-  double scale = 0.0;
-  for (const Vec4d& plane : planes) scale = std::max(scale, std::abs(plane.w));
-  const double slack = 1e-9 * std::max(scale, 1e-9);
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    for (std::size_t j = i + 1; j < planes.size(); ++j) {
-      const Vec3d line = glm::cross(Vec3d(planes[i]), Vec3d(planes[j]));
-      for (std::size_t k = j + 1; k < planes.size(); ++k) {
-        const double determinant = glm::dot(line, Vec3d(planes[k]));
-        if (std::abs(determinant) < 1e-12) continue;
-        const Vec3d corner =
-            (planes[i].w * glm::cross(Vec3d(planes[j]), Vec3d(planes[k])) +
-             planes[j].w * glm::cross(Vec3d(planes[k]), Vec3d(planes[i])) + planes[k].w * line) /
-            determinant;
-        const bool inside = std::all_of(planes.begin(), planes.end(), [&](const Vec4d& plane) {
-          return glm::dot(Vec3d(plane), corner) <= plane.w + slack;
-        });
-        if (inside) extend_by_transformed(box, corner, to_world);
-      }
-    }
-  }
 }
 
 void extend_by_sphere(Box3f& box, const SphereShape& sphere, const Mat4d& to_world) {
@@ -106,7 +79,9 @@ Box3f bounds_of(const Scene& scene) {
     if (const auto* sphere = std::get_if<SphereShape>(&shape.geometry)) {
       extend_by_sphere(box, *sphere, instance.to_world);
     } else {
-      extend_by_convex(box, std::get<ConvexShape>(shape.geometry), instance.to_world);
+      for (const Vec3d& corner : corners_of(std::get<ConvexShape>(shape.geometry))) {
+        extend_by_transformed(box, corner, instance.to_world);
+      }
     }
   }
   return box;

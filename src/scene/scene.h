@@ -77,7 +77,7 @@ struct SpectralEmission {
 struct Material {
   std::string name;
 
-  Vec4f base_color_rec709{1.0f};  ///< Factor, alpha last.
+  Vec4f base_color_rec709{1.0f};                 ///< Factor, alpha last.
   std::optional<TextureUse> base_color_texture;  ///< sRGB encoded.
   std::optional<NamedSpectrum> reflectance;      ///< Replaces the base colour factor's RGB.
   AlphaMode alpha_mode = AlphaMode::Opaque;
@@ -97,7 +97,7 @@ struct Material {
 
   float transmission = 0.0f;
   std::optional<TextureUse> transmission_texture;  ///< R.
-  bool has_volume = false;     ///< A boundary between media; otherwise an infinitely thin sheet.
+  bool has_volume = false;  ///< A boundary between media; otherwise an infinitely thin sheet.
   Dispersion index = ConstantIndex{1.5};
   bool index_is_infinite = false;  ///< KHR ior 0: Fresnel 1 at all angles.
   std::string index_id;            ///< Id of a catalogue glass, or empty.

@@ -1,0 +1,200 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cmath>
+
+#include "load/gltf_builder.h"
+
+namespace abbe {
+namespace {
+
+using testing::HasSubstr;
+
+class GltfAbbe : public GltfTest {
+ protected:
+  // What a spectrum written as a reflectance reads as.
+  NamedSpectrum read(const Json& spectrum) {
+    abbe_material()["reflectance"] = spectrum;
+    return *load().materials.at(0).reflectance;
+  }
+  std::string error_of(const Json& spectrum) {
+    abbe_material()["reflectance"] = spectrum;
+    return error();
+  }
+  Light light_with(const Json& spectrum) {
+    document["extensions"]["KHR_lights_punctual"]["lights"] = {
+        {{"type", "point"}, {"extensions", {{"ABBE_light", {{"spectrum", spectrum}}}}}}};
+    node()["extensions"]["KHR_lights_punctual"]["light"] = 0;
+    return load().lights.at(0);
+  }
+  Json& shape() { return document["meshes"][0]["extensions"]["ABBE_shape"]; }
+};
+
+TEST_F(GltfAbbe, spectrum_as_number_and_table) {
+  EXPECT_EQ(read(0.25).spectrum.value(600), 0.25);
+  EXPECT_EQ(read(0.25).id, "");
+  EXPECT_DOUBLE_EQ(read({{500, 0.0}, {600, 1.0}}).spectrum.value(525), 0.25);
+}
+
+TEST_F(GltfAbbe, spectrum_as_csv_file_in_the_folder) {
+  write("paint/red.csv", "wavelength,reflectance\n# measured\n500, 0.1\r\n600;0.3\n\n700\t0.5\n");
+  const NamedSpectrum red = read("paint/red.csv");
+  EXPECT_DOUBLE_EQ(red.spectrum.value(550), 0.2);
+  EXPECT_DOUBLE_EQ(red.spectrum.value(700), 0.5);
+  EXPECT_EQ(red.id, "paint/red.csv");
+}
+
+TEST_F(GltfAbbe, spectrum_as_file_of_the_catalogues_format) {
+  write("mine.txt",
+        "abbe-spectrum 1\nquantity: reflectance\nunit: 1\nwavelength: nm 400 700\nname: mine\n"
+        "source: made up\nlicence: CC0-1.0\ncolumns: nm value\n400 0.2\n700 0.4\n");
+  EXPECT_NEAR(read("mine.txt").spectrum.value(550), 0.3, 1e-12);  // Rounding.
+}
+
+TEST_F(GltfAbbe, spectrum_with_mistakes_names_file_and_line_or_pointer) {
+  write("bad.csv", "500,0.1\n490,0.2\n");
+  EXPECT_THAT(error_of("bad.csv"), HasSubstr("bad.csv: line 2"));
+  write("words.csv", "500,0.1\nsix,hundred\n");
+  EXPECT_THAT(error_of("words.csv"), HasSubstr("words.csv: line 2"));
+  write("empty.csv", "");
+  EXPECT_THAT(error_of("empty.csv"), HasSubstr("no row"));
+  EXPECT_THAT(error_of("none.csv"), HasSubstr("none.csv"));
+  EXPECT_THAT(error_of("../out.csv"), HasSubstr("leaves the folder"));
+  EXPECT_THAT(error_of("/etc/passwd"), HasSubstr("leaves the folder"));
+  EXPECT_THAT(error_of(Json::array()), HasSubstr("/reflectance"));
+  EXPECT_THAT(error_of({{500, 0.1}, {500, 0.2}}), HasSubstr("/reflectance/1/0"));
+  EXPECT_THAT(error_of({{500}}), HasSubstr("/reflectance/0"));
+  EXPECT_THAT(error_of(true), HasSubstr("expected an id, a path, a number"));
+  EXPECT_THAT(error_of("no-such-paint"), HasSubstr("no-such-paint"));
+  EXPECT_THAT(error_of("illuminant/A"), HasSubstr("a reflectance"));
+  EXPECT_THAT(error_of({{"blackbody", 3000}}), HasSubstr("/reflectance"));
+}
+
+TEST_F(GltfAbbe, spectrum_file_that_is_a_pipe_does_not_wait) {
+  ASSERT_EQ(mkfifo((folder / "pipe.csv").c_str(), 0600), 0);
+  EXPECT_THAT(error_of("pipe.csv"), HasSubstr("a named pipe"));
+}
+
+TEST_F(GltfAbbe, reflectance_above_one_is_limited_with_a_note) {
+  EXPECT_EQ(read(3.0).spectrum.value(500), 1.0);
+  EXPECT_THAT(notes_text(), HasSubstr("limited"));
+}
+
+TEST_F(GltfAbbe, spectrum_file_changes_the_content_hash) {
+  write("a.csv", "500,0.1\n");
+  abbe_material()["reflectance"] = "a.csv";
+  const std::string before = load().content_hash;
+  EXPECT_EQ(load().content_hash, before);
+  write("a.csv", "500,0.2\n");
+  EXPECT_NE(load().content_hash, before);
+}
+
+TEST_F(GltfAbbe, content_hash_is_16_hex_digits_and_follows_every_file) {
+  const std::string before = load().content_hash;
+  EXPECT_THAT(before, testing::MatchesRegex("[0-9a-f]{16}"));
+  binary[4] = static_cast<char>(binary[4] ^ 1);
+  EXPECT_NE(load().content_hash, before);
+}
+
+TEST_F(GltfAbbe, light_spectra) {
+  EXPECT_EQ(light_with("illuminant/FL11").spectrum->id, "illuminant/FL11");
+  // Planck: the ratio of 450 and 650 nm at 3000 K, from c2 = 1.4387769e-2 m·K.
+  const auto planck = [](double nm) {
+    return 1.0 / (std::pow(nm, 5) * std::expm1(1.4387769e7 / (nm * 3000.0)));
+  };
+  const Spectrum hot = light_with({{"blackbody", 3000}}).spectrum->spectrum;
+  EXPECT_NEAR(hot.value(450) / hot.value(650), planck(450) / planck(650), 1e-6);  // Digits of c2.
+  const Spectrum sodium = light_with({{"lines", {{589.59, 1}, {588.995, 2}}}}).spectrum->spectrum;
+  ASSERT_EQ(sodium.lines().size(), 2u);
+  EXPECT_EQ(sodium.lines()[0].wavelength_nm, 588.995);
+  EXPECT_EQ(sodium.lines()[0].strength, 2.0);
+  EXPECT_TRUE(sodium.is_lines_only());
+}
+
+TEST_F(GltfAbbe, lamp_table_is_dark_outside_and_other_tables_are_clamped) {
+  EXPECT_EQ(light_with({{500, 1.0}, {600, 1.0}}).spectrum->spectrum.value(700), 0.0);
+  EXPECT_EQ(read({{500, 0.5}, {600, 0.5}}).spectrum.value(700), 0.5);
+}
+
+TEST_F(GltfAbbe, light_spectra_that_mean_nothing_are_errors) {
+  for (const Json& spectrum : {Json{{"blackbody", -5}}, Json{{"lines", Json::array()}},
+                               Json{{"lines", {{200, 1}}}}, Json::object()}) {
+    try {
+      light_with(spectrum);
+      ADD_FAILURE() << spectrum;
+    } catch (const Error& caught) {
+      EXPECT_THAT(caught.what(), HasSubstr("/extensions/KHR_lights_punctual/lights/0"));
+    }
+  }
+}
+
+TEST_F(GltfAbbe, beam_is_a_note) {
+  document["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "directional"}, {"extensions", {{"ABBE_light", {{"beam", {{"width", 1}}}}}}}}};
+  node()["extensions"]["KHR_lights_punctual"]["light"] = 0;
+  load();
+  EXPECT_THAT(notes_text(), HasSubstr("ABBE_light/beam"));
+}
+
+TEST_F(GltfAbbe, ambient_of_the_scene) {
+  document["scenes"][0]["extensions"]["ABBE_scene"] = {
+      {"ambient", {{"luminance", 3}, {"spectrum", {{"blackbody", 5000}}}}},
+      {"fog", Json::object()}};
+  const Scene scene = load();
+  ASSERT_TRUE(scene.ambient);
+  EXPECT_EQ(scene.ambient->luminance_cd_per_m2, 3.0);
+  EXPECT_GT(scene.ambient->spectrum.spectrum.value(500), 0.0);
+  EXPECT_THAT(notes_text(), HasSubstr("ABBE_scene/fog"));
+  document["scenes"][0]["extensions"]["ABBE_scene"] = {{"ambient", {{"luminance", 3}}}};
+  EXPECT_EQ(load().ambient->spectrum.id, "illuminant/D65");
+}
+
+TEST_F(GltfAbbe, sphere_replaces_the_triangles_and_takes_their_material) {
+  material()["name"] = "glass";
+  document["materials"].push_back({{"name", "other"}});
+  primitive()["material"] = 1;
+  shape() = {{"sphere", {{"radius", 2.5}}}};
+  node()["scale"] = {1, 2, 3};
+  const Scene scene = load();
+  EXPECT_TRUE(scene.meshes.empty());
+  const Shape& sphere = std::get<Shape>(scene.instances.at(0).what);
+  EXPECT_EQ(std::get<SphereShape>(sphere.geometry).radius_m, 2.5);
+  EXPECT_EQ(scene.materials[sphere.material].name, "other");
+}
+
+TEST_F(GltfAbbe, convex_body_keeps_its_planes) {
+  shape() = {{"convex",
+              {{"planes",
+                {{1, 0, 0, 1},
+                 {-1, 0, 0, 1},
+                 {0, 2, 0, 2},
+                 {0, -1, 0, 1},
+                 {0, 0, 1, 1},
+                 {0, 0, -1, 1}}}}}};
+  const Scene scene = load();
+  const auto& body = std::get<ConvexShape>(std::get<Shape>(scene.instances.at(0).what).geometry);
+  EXPECT_EQ(body.planes.size(), 6u);
+  EXPECT_EQ(body.planes[2], Vec4d(0, 2, 0, 2));
+  EXPECT_EQ(bounds_of(scene).high, Vec3f(1, 1, 1));
+}
+
+TEST_F(GltfAbbe, shapes_that_enclose_nothing_are_errors) {
+  const Json open = {{1, 0, 0, 1}, {-1, 0, 0, 1}, {0, 1, 0, 1}, {0, -1, 0, 1}};
+  const Json empty = {{1, 0, 0, -1}, {-1, 0, 0, -1}, {0, 1, 0, 1},
+                      {0, -1, 0, 1}, {0, 0, 1, 1},   {0, 0, -1, 1}};
+  const Json flat = {{0, 0, 0, 1}, {-1, 0, 0, 1}, {0, 1, 0, 1}, {0, -1, 0, 1}};
+  const Json parallel = {{1, 0, 0, 1}, {1, 0, 0, 2}, {-1, 0, 0, 1}, {-1, 0, 0, 3}};
+  for (const Json& planes : {open, empty, flat, parallel, Json::array()}) {
+    shape() = {{"convex", {{"planes", planes}}}};
+    EXPECT_THAT(error(), HasSubstr("/meshes/0/extensions/ABBE_shape/convex/planes")) << planes;
+  }
+  for (const Json& bad : {Json::object(), Json{{"sphere", {{"radius", 0}}}},
+                          Json{{"sphere", {{"radius", 1}}}, {"convex", Json::object()}}}) {
+    shape() = bad;
+    EXPECT_THAT(error(), HasSubstr("/meshes/0/extensions/ABBE_shape")) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace abbe

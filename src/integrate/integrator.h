@@ -17,9 +17,18 @@ struct IntegratorSettings {
   int max_depth = 16;    ///< Most surfaces a path may leave.
   float cutoff = 1e-4f;  ///< Weight below which a fan no longer branches, 0 to branch always.
   bool drop = false;     ///< Whitted's plain rule: below the cutoff a fan ends, its energy is lost.
-  /// Fans a thread keeps waiting in one generation before it finishes some samples first.
-  std::size_t queue_capacity = 8192;
 };
+
+/// Fans that are traced and shaded together.
+inline constexpr std::size_t kBatchFans = 256;
+
+/// Most fans that can wait in a thread's queue while `samples` are traced: a batch of fans has at
+/// most two children for each of its lanes and one more that passes, at every depth.
+inline std::size_t queue_capacity(const IntegratorSettings& settings, std::size_t samples,
+                                  int lane_count) {
+  return samples + static_cast<std::size_t>(settings.max_depth) * kBatchFans * 3u *
+                       static_cast<std::size_t>(lane_count);
+}
 
 /// A ray that a camera has sent, with what it carries.
 struct CameraSample {
@@ -76,9 +85,8 @@ class IntegratorScratch {
 /// Shape:  radiance holds samples.size() × lane_stride values; first_hits is empty or as long as
 ///         samples.
 /// Units:  per lane W·m⁻²·sr⁻¹·nm⁻¹ (of a line lane: without nm⁻¹); in RGB modes cd/m².
-/// The result of a sample does not depend on the others, nor on capacity: its sums are taken
-/// generation by generation, in the order in which its own fans were made.
-/// `recorder` may be null; see record.h.
+/// The result of a sample does not depend on the others: its sums are taken in an order that
+/// follows from its own fans alone. `recorder` may be null; see record.h.
 void trace_samples(const World& world, const IntegratorSettings& settings,
                    std::span<const CameraSample> samples, std::span<float> radiance,
                    std::span<FirstHit> first_hits, IntegratorStats& stats,

@@ -11,7 +11,8 @@
 
 namespace abbe {
 
-/// One lane of a fan at the surface it met.
+/// One lane of a fan at the surface it met; of one that left the scene only where it began, its
+/// direction and its throughput.
 struct LaneRecord {
   int lane = 0;
   float wavelength_nm = 0.0f;  ///< 0 in RGB modes.

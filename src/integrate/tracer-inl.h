@@ -50,16 +50,20 @@ class Tracer {
   void run(std::span<float> radiance) {
     b_.local_light.assign(radiance.size(), 0.0f);
     b_.direct_light.assign(radiance.size(), 0.0f);
-    FanList list = take_list();
-    for (std::size_t i = 0; i < samples_.size(); ++i) start(list, static_cast<std::uint32_t>(i));
-    run_generations(std::move(list));
+    FanList first = take_list();
+    for (std::size_t i = 0; i < samples_.size(); ++i) start(first, static_cast<std::uint32_t>(i));
+    run_deepest_first(std::move(first));
     for (std::size_t i = 0; i < radiance.size(); ++i) {
       radiance[i] = b_.local_light[i] + b_.direct_light[i];
     }
   }
 
  private:
-  static constexpr std::size_t kBatch = 256;
+  /// Fans waiting in one generation; those before `next` are done.
+  struct Generation {
+    FanList list;
+    std::size_t next = 0;
+  };
 
   FanList take_list() {
     if (b_.spare_lists.empty()) return {};
@@ -85,55 +89,53 @@ class Tracer {
     stats_.weight_started += 1.0;
   }
 
-  // Fans of one sample stay together and in order, so that a list can be cut between samples: what
-  // one sample adds up to does not depend on the others in the list.
-  void run_generations(FanList list) {
-    const std::size_t waiting_before = waiting_;
-    while (!list.fans.empty()) {
-      if (list.fans.size() > settings_.queue_capacity &&
-          list.fans.front().sample != list.fans.back().sample) {
-        FanList rest = split_off_rest(list);
-        waiting_ += rest.fans.size();
-        run_generations(std::move(list));
-        waiting_ -= rest.fans.size();
-        list = std::move(rest);
-        continue;
+  // The deepest generation goes first: what waits is at most the children of one batch for every
+  // depth. Fans of one sample stay together and in order, and where a sample is cut into batches
+  // depends on its own fans alone: what it adds up to does not depend on the others.
+  void run_deepest_first(FanList first) {
+    std::vector<Generation> waiting;
+    waiting.push_back({std::move(first)});
+    std::size_t waiting_fans = samples_.size();
+    while (!waiting.empty()) {
+      Generation& deepest = waiting.back();
+      const std::size_t end = batch_end(deepest.list.fans, deepest.next);
+      FanList children = take_list();
+      run_batch(deepest.list, deepest.next, end, children);
+      waiting_fans += children.fans.size();
+      stats_.peak_queued_fans = std::max<std::uint64_t>(stats_.peak_queued_fans, waiting_fans);
+      waiting_fans -= end - deepest.next;
+      deepest.next = end;
+      if (end == deepest.list.fans.size()) {
+        give_back(std::move(deepest.list));
+        waiting.pop_back();
       }
-      FanList next = take_list();
-      for (std::size_t first = 0; first < list.fans.size(); first += kBatch) {
-        run_batch(list, first, std::min(list.fans.size(), first + kBatch), next);
+      if (children.fans.empty()) {
+        give_back(std::move(children));
+      } else {
+        waiting.push_back({std::move(children)});
       }
-      stats_.peak_queued_fans = std::max<std::uint64_t>(
-          stats_.peak_queued_fans, waiting_ + list.fans.size() + next.fans.size());
-      std::swap(list, next);
-      b_.spare_lists.push_back(std::move(next));
     }
-    waiting_ = waiting_before;
-    std::size_t bytes = list.bytes();
+    std::size_t bytes = 0;
     for (const FanList& spare : b_.spare_lists) bytes += spare.bytes();
     stats_.peak_queue_bytes = std::max<std::uint64_t>(stats_.peak_queue_bytes, bytes);
-    b_.spare_lists.push_back(std::move(list));
   }
 
-  FanList split_off_rest(FanList& list) {
-    // The boundary between samples nearest to the middle.
-    std::size_t cut = list.fans.size() / 2;
-    while (cut > 0 && list.fans[cut - 1].sample == list.fans[cut].sample) --cut;
-    if (cut == 0) {
-      cut = list.fans.size() / 2;
-      while (list.fans[cut - 1].sample == list.fans[cut].sample) ++cut;
+  // Whole samples up to kBatchFans; a sample with more is cut at every kBatchFans of its own fans.
+  static std::size_t batch_end(const std::vector<Fan>& fans, std::size_t begin) {
+    std::size_t end = begin;
+    while (end < fans.size() && end - begin < kBatchFans) {
+      std::size_t sample_end = end + 1;
+      while (sample_end < fans.size() && fans[sample_end].sample == fans[end].sample &&
+             sample_end - end < kBatchFans) {
+        ++sample_end;
+      }
+      if (end != begin && sample_end - begin > kBatchFans) break;
+      end = sample_end;
     }
-    FanList rest = take_list();
-    const std::size_t first_lane = list.fans[cut].data;
-    rest.pool.assign(list.pool.begin() + static_cast<std::ptrdiff_t>(first_lane), list.pool.end());
-    for (std::size_t i = cut; i < list.fans.size(); ++i) {
-      rest.fans.push_back(list.fans[i]);
-      rest.fans.back().data -= static_cast<std::uint32_t>(first_lane);
-    }
-    list.fans.resize(cut);
-    list.pool.resize(first_lane);
-    return rest;
+    return end;
   }
+
+  void give_back(FanList list) { b_.spare_lists.push_back(std::move(list)); }
 
   void run_batch(const FanList& list, std::size_t first, std::size_t last, FanList& next) {
     find_hits(list, first, last);
@@ -214,7 +216,7 @@ class Tracer {
 
   void shade_united(const Fan& fan, const FanList& list, const Hit& hit, FanList& next) {
     if (!hit.is_hit()) {
-      record_miss(fan);
+      record_miss(fan, list, fan.lanes);
       return;
     }
     SurfacePoint& point = b_.points[0];
@@ -260,7 +262,7 @@ class Tracer {
       distance_m[lane] = hit.t;
       left.set(lane);
     }
-    if (missed.any()) record_miss(fan);
+    if (missed.any()) record_miss(fan, list, missed);
     while (left.any()) {
       const int leader = left.front();
       LaneMask group;
@@ -802,7 +804,7 @@ class Tracer {
                                           sample.footprint_m + sample.footprint_per_m * distance_m);
   }
 
-  void record_miss(const Fan& fan) {
+  void record_miss(const Fan& fan, const FanList& list, const LaneMask& missed) {
     if (recorder_ == nullptr) return;
     FanRecord record;
     record.parent = fan.parent_record;
@@ -810,7 +812,27 @@ class Tracer {
     record.was_spread = fan.spread;
     record.depth = fan.depth;
     record.weight = fan.weight;
+    const float* pool = list.pool.data() + fan.data;
+    const auto lane_vector = [&](int first_array, int lane) {
+      const float* p = pool + first_array * stride_ + lane;
+      return Vec3f(p[0], p[stride_], p[2 * stride_]);
+    };
+    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
+      if (!missed.test(lane)) continue;
+      LaneRecord& entry = record.lanes.emplace_back();
+      entry.lane = lane;
+      entry.wavelength_nm = wavelength_nm(fan, lane);
+      entry.position = fan.spread ? lane_vector(1, lane) : fan.origin;
+      entry.direction = fan.spread ? lane_vector(4, lane) : fan.direction;
+      entry.throughput = pool[lane];
+    }
     recorder_->push_back(std::move(record));
+  }
+
+  float wavelength_nm(const Fan& fan, int lane) const {
+    const WavelengthQuadrature* quadrature = world_.lanes.quadrature();
+    return quadrature != nullptr ? quadrature->wavelengths_nm(samples_[fan.sample].set)[lane]
+                                 : 0.0f;
   }
 
   FanRecord* start_record(const Fan& fan, const LaneMask& lanes, std::uint32_t surface,
@@ -825,14 +847,11 @@ class Tracer {
     record.is_hit = true;
     record.enters = front;
     record.surface = surface;
-    const WavelengthQuadrature* quadrature = world_.lanes.quadrature();
     for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
       if (!lanes.test(lane)) continue;
       LaneRecord& entry = record.lanes.emplace_back();
       entry.lane = lane;
-      if (quadrature != nullptr) {
-        entry.wavelength_nm = quadrature->wavelengths_nm(samples_[fan.sample].set)[lane];
-      }
+      entry.wavelength_nm = wavelength_nm(fan, lane);
       entry.position = b_.at.position.get(lane);
       entry.direction = b_.at.direction.get(lane);
       entry.throughput = b_.at.throughput[lane];
@@ -864,7 +883,6 @@ class Tracer {
   IntegratorScratch::Buffers& b_;
   std::vector<FanRecord>* recorder_;
   const int stride_;
-  std::size_t waiting_ = 0;
 
   Shading shading_;
   LightGeometry to_light_;

@@ -20,6 +20,7 @@ struct RenderResult {
   Image image;
   IntegratorStats stats;
   double seconds = 0.0;
+  std::size_t queue_capacity = 0;   ///< Most fans that could have waited on a thread.
   std::size_t dropped_samples = 0;  ///< Samples that were not finite.
   bool complete = true;             ///< False when cancelled: some pixels are missing.
 };

@@ -55,20 +55,18 @@ class FanTest : public testing::Test {
   std::optional<World> world_;
 };
 
-TEST_F(FanTest, radiance_at_any_queue_capacity_is_the_same_bit_for_bit) {
-  const IntegratorSettings large{.queue_capacity = 1u << 20};
-  const Traced reference = trace_all(*world_, scene_.cameras.front(), settings_, large, 256);
-  for (const std::size_t capacity : {std::size_t{1}, std::size_t{50}, std::size_t{1000}}) {
-    const Traced traced =
-        trace_all(*world_, scene_.cameras.front(), settings_, {.queue_capacity = capacity}, 256);
-    EXPECT_EQ(traced.radiance, reference.radiance) << capacity;
-    EXPECT_LT(traced.stats.peak_queued_fans, reference.stats.peak_queued_fans);
-  }
+TEST_F(FanTest, queue_of_a_hundred_spheres_at_depth_16_stays_within_its_capacity) {
+  const IntegratorSettings integrator;
+  const Traced traced = trace_all(*world_, scene_.cameras.front(), settings_, integrator, 256);
+  EXPECT_LE(traced.stats.peak_queued_fans,
+            queue_capacity(integrator, 256, world_->lanes.lane_count()));
+  // What a thread holds: far below the gigabyte that many glass surfaces may cost.
+  EXPECT_LT(traced.stats.peak_queue_bytes, 64u << 20);
 }
 
 TEST_F(FanTest, radiance_of_a_sample_does_not_depend_on_its_neighbours) {
-  const Traced all = trace_all(*world_, scene_.cameras.front(), settings_, {}, 256);
-  const Traced one = trace_all(*world_, scene_.cameras.front(), settings_, {}, 100);
+  const Traced all = trace_all(*world_, scene_.cameras.front(), settings_, {}, 128);
+  const Traced one = trace_all(*world_, scene_.cameras.front(), settings_, {}, 77);
   const std::vector<float> same(
       all.radiance.begin(),
       all.radiance.begin() + static_cast<std::ptrdiff_t>(one.radiance.size()));

@@ -60,30 +60,36 @@ LoadedConfig load_config(const DisplayOptions& options) {
   return {OCIO::Config::CreateFromStream(text), "the built-in OCIO configuration"};
 }
 
-void check_space(const LoadedConfig& loaded, const std::string& name) {
-  if (loaded.config->getColorSpace(name.c_str())) return;
+// The names that `name_at` gives for 0 to count − 1.
+template <typename NameAt>
+std::vector<std::string> names_of(int count, const NameAt& name_at) {
   std::vector<std::string> names;
-  const int count =
-      loaded.config->getNumColorSpaces(OCIO::SEARCH_REFERENCE_SPACE_SCENE, OCIO::COLORSPACE_ACTIVE);
-  for (int i = 0; i < count; ++i) {
-    names.emplace_back(loaded.config->getColorSpaceNameByIndex(OCIO::SEARCH_REFERENCE_SPACE_SCENE,
-                                                               OCIO::COLORSPACE_ACTIVE, i));
-  }
-  throw_usage_error("--colorspace", "'" + name + "'", "a colour space of " + loaded.where, names);
+  names.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) names.emplace_back(name_at(i));
+  return names;
+}
+
+void check_space(const LoadedConfig& loaded, const std::string& name) {
+  const OCIO::Config& config = *loaded.config;
+  if (config.getColorSpace(name.c_str())) return;
+  constexpr auto kScene = OCIO::SEARCH_REFERENCE_SPACE_SCENE;
+  constexpr auto kActive = OCIO::COLORSPACE_ACTIVE;
+  throw_usage_error("--colorspace", "'" + name + "'", "a colour space of " + loaded.where,
+                    names_of(config.getNumColorSpaces(kScene, kActive), [&](int i) {
+                      return config.getColorSpaceNameByIndex(kScene, kActive, i);
+                    }));
 }
 
 void check_display_and_view(const LoadedConfig& loaded, const std::string& display,
                             const std::string& view) {
   const OCIO::Config& config = *loaded.config;
-  std::vector<std::string> displays;
-  for (int i = 0; i < config.getNumDisplays(); ++i) displays.emplace_back(config.getDisplay(i));
+  const auto displays =
+      names_of(config.getNumDisplays(), [&](int i) { return config.getDisplay(i); });
   if (std::find(displays.begin(), displays.end(), display) == displays.end()) {
     throw_usage_error("--display", "'" + display + "'", "a display of " + loaded.where, displays);
   }
-  std::vector<std::string> views;
-  for (int i = 0; i < config.getNumViews(display.c_str()); ++i) {
-    views.emplace_back(config.getView(display.c_str(), i));
-  }
+  const auto views = names_of(config.getNumViews(display.c_str()),
+                              [&](int i) { return config.getView(display.c_str(), i); });
   if (std::find(views.begin(), views.end(), view) == views.end()) {
     throw_usage_error("--view", "'" + view + "'", "a view of " + display + " in " + loaded.where,
                       views);

@@ -26,7 +26,7 @@ std::string format_of(const std::filesystem::path& file) {
 std::uint8_t code_of(float value) {
   // NaN fails the comparison and becomes black.
   if (!(value > 0.0f)) return 0;
-  return static_cast<std::uint8_t>(std::min(value, 1.0f) * 255.0f + 0.5f);
+  return static_cast<std::uint8_t>(std::lround(std::min(value, 1.0f) * 255.0f));
 }
 
 std::vector<std::uint8_t> codes_of(const std::filesystem::path& file, const Image& image) {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "base/error.h"
@@ -113,6 +114,7 @@ TEST(Texture, impossible_or_enormous_size_is_an_input_error) {
 TEST(Texture, png_without_data_or_with_too_little_is_an_input_error) {
   expect_rejected(png_bytes(2, 2, 8, PngRgb, {}), "without image data");
   expect_rejected(png_bytes(2, 100, 8, PngRgb, {{1, 2, 3, 4, 5, 6}}), "broken png");
+  expect_rejected(png_bytes(5000, 5000, 8, PngRgb, {{1, 2, 3, 4, 5, 6}}), "too little image data");
   auto damaged = png_bytes(1, 1, 8, PngRgb, {{1, 2, 3}});
   damaged[50] ^= 0x10;  // Inside the image data.
   expect_rejected(damaged, "damaged");
@@ -137,6 +139,23 @@ TEST(Texture, truncated_jpeg_is_an_input_error_wherever_it_ends) {
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     expect_rejected(std::span(bytes).first(size), "expected a PNG or JPEG image");
   }
+}
+
+TEST(Texture, jpeg_that_claims_more_pixels_than_its_bytes_hold_is_an_input_error) {
+  const TemporaryFolder folder;
+  Image image;
+  image.width = 8;
+  image.height = 8;
+  image.channels = {"R", "G", "B"};
+  image.pixels.assign(192, 0.3f);
+  write_raster(folder / "a.jpg", image);
+  auto bytes = bytes_of(folder / "a.jpg");
+  const std::vector<std::uint8_t> frame{0xff, 0xc0, 0, 17, 8};
+  const auto at = std::search(bytes.begin(), bytes.end(), frame.begin(), frame.end());
+  ASSERT_NE(at, bytes.end());
+  *(at + 5) = 0x3f;  // The height's and the width's upper bytes.
+  *(at + 7) = 0x3f;
+  expect_rejected(bytes, "16136x16136 pixels with too little image data");
 }
 
 TEST(Texture, damaged_bytes_give_a_texture_or_an_input_error) {

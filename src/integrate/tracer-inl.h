@@ -859,17 +859,25 @@ class Tracer {
     return &record;
   }
 
+  // Exact for small angles too, where the cosine has lost them.
+  static float angle_between(const Vec3f& a, const Vec3f& b) {
+    const Vec3d x(a);
+    const Vec3d y(b);
+    return static_cast<float>(std::atan2(glm::length(glm::cross(x, y)), glm::dot(x, y)));
+  }
+
   void fill_record(FanRecord& record, Crossing crossing, const BoundaryRows& rows) const {
     for (LaneRecord& entry : record.lanes) {
       const int lane = entry.lane;
-      entry.angle_incident_rad = std::acos(shading_.cos_incident[lane]);
+      const Vec3f normal = b_.at.normal.get(lane);
+      entry.angle_incident_rad = angle_between(-b_.at.direction.get(lane), normal);
       entry.n_incident = rows.n_incident != nullptr ? rows.n_incident[lane] : 1.0f;
       entry.n_transmitted = rows.n_transmitted != nullptr ? rows.n_transmitted[lane] : 1.0f;
       entry.k_r = shading_.k_r[lane];
       entry.k_t = crossing == Crossing::None ? 0.0f : shading_.k_t[lane];
       const bool refracts = crossing == Crossing::Enter || crossing == Crossing::Leave;
       if (refracts && shading_.k_t[lane] > 0.0f) {
-        entry.angle_refracted_rad = std::acos(shading_.cos_transmitted[lane]);
+        entry.angle_refracted_rad = angle_between(shading_.refracted.get(lane), -normal);
       }
       entry.local_light = b_.at.emission[lane];
     }

@@ -51,7 +51,7 @@ nlohmann::json stats_json(const World& world, const RenderResult& result, const 
                   {"lanes_per_spread", share(static_cast<double>(stats.spread_lanes),
                                              static_cast<double>(stats.spread_fans))}};
   json["queue"] = {{"peak_fans", stats.peak_queued_fans},
-                   {"capacity", IntegratorSettings{}.queue_capacity},
+                   {"capacity", result.queue_capacity},
                    {"peak_bytes", stats.peak_queue_bytes}};
   json["energy_lost"] = {{"depth", share(stats.weight_lost_to_depth, stats.weight_started)},
                          {"cutoff", share(stats.weight_lost_to_cutoff, stats.weight_started)}};

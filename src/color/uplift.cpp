@@ -95,9 +95,9 @@ Vec3f uplift_rec709_from_table(const Vec3f& rgb_rec709) {
   }
   Vec3d x;
   for (int w = 0; w < 3; ++w) {
-    // A cubic may overshoot; 4e-9 is where single precision calls it 0 or 1.
-    const double value = std::clamp(stored[w], 4e-9, 1.0 - 4e-9);
-    x[w] = (value - 0.5) / std::sqrt(value * (1.0 - value));
+    // A cubic may overshoot; 1e-4 is within what single precision calls 0 or 1.
+    const double theta = std::clamp(stored[w], 1e-4, kPi - 1e-4);
+    x[w] = -1.0 / std::tan(theta);
   }
   return Vec3f(polynomial_through(x));
 }

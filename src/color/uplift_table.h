@@ -12,11 +12,12 @@
 namespace abbe {
 
 /// Nodes along each of the table's three axes.
-inline constexpr std::size_t kUpliftNodes = 32;
+inline constexpr std::size_t kUpliftNodes = 36;
 
 /// A colour is stored under its largest channel m, with the coordinates max, next/max and
-/// after-next/max. Stored are the reflectances at three wavelengths: they depend almost linearly on
-/// the colour, where the coefficients run off to infinity at the gamut's faces.
+/// after-next/max. Stored are angles θ in (0, π) at three wavelengths, S = (1 − cos θ)/2 being the
+/// reflectance there, so that x = −cot θ: they depend almost linearly on the nodes, where the
+/// coefficients run off to infinity at the gamut's faces.
 /// Shape: [largest channel][max][next/max][after-next/max][wavelength].
 inline constexpr std::size_t kUpliftTableSize = 3 * kUpliftNodes * kUpliftNodes * kUpliftNodes * 3;
 

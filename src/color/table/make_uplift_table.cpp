@@ -88,8 +88,7 @@ void fill_column(std::size_t largest, std::size_t j, std::size_t k,
     for (std::size_t w = 0; w < 3; ++w) {
       const double s = kUpliftStored_s[w];
       const double x = (sigmoid.c[0] * s + sigmoid.c[1]) * s + sigmoid.c[2];
-      table[uplift_index(largest, i, j, k) + w] =
-          static_cast<float>(0.5 + 0.5 * x / std::sqrt(1.0 + x * x));
+      table[uplift_index(largest, i, j, k) + w] = static_cast<float>(std::atan2(1.0, -x));
     }
   };
   const auto fit_from = [&](std::size_t i, const NormalisedSigmoid& neighbour) {

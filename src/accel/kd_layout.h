@@ -46,7 +46,7 @@ struct MixedLeaf {
 
 /// The deepest stack of a query: each wide level takes one entry away and adds up to eight.
 inline constexpr std::uint32_t kMaxTreeDepth = 96;
-inline constexpr int kStackEntries = (kMaxTreeDepth / 3 + 1) * 7 + 9;
+inline constexpr int kStackEntries = (kMaxTreeDepth / 3 + 1) * 7 + 10;
 
 /// Everything a query reads.
 struct KdView {

@@ -73,16 +73,16 @@ class Query {
     bool is_flipped[7];
     for (int p = 0; p < 7; ++p) {
       const unsigned axis = (node.axes >> (4 * p)) & 3u;
-      const float below = (node.planes[p] - tube.low_origin[axis]) * tube.low_reciprocal[axis];
-      const float above = (node.planes[p] - tube.high_origin[axis]) * tube.high_reciprocal[axis];
-      const bool low_ends = tube.low_reciprocal[axis] > 0.0f;
-      const bool high_ends = tube.high_reciprocal[axis] < 0.0f;
+      const float below = (node.planes[p] - tube.origin[axis]) * tube.reciprocal[axis];
+      const float above = (node.planes[p] - tube.origin[4 + axis]) * tube.reciprocal[4 + axis];
+      const bool low_ends = tube.reciprocal[axis] > 0.0f;
+      const bool high_ends = tube.reciprocal[4 + axis] < 0.0f;
       near_below[p] = low_ends ? -kInfinity : below;
       far_below[p] = low_ends ? below : kInfinity;
       near_above[p] = high_ends ? -kInfinity : above;
       far_above[p] = high_ends ? above : kInfinity;
       // The side of the origin comes first: a ray that meets both sides starts there.
-      is_flipped[p] = node.planes[p] < tube.low_origin[axis];
+      is_flipped[p] = node.planes[p] < tube.origin[axis];
     }
     for (int i = 7; i >= 0; --i) {
       const int b2 = (i >> 2) ^ static_cast<int>(is_flipped[0]);

@@ -1,9 +1,11 @@
 #include "accel/kd_tree.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "accel/kd_build.h"
 #include "accel/kd_convert.h"
+#include "accel/kd_kernels.h"
 #include "accel/kd_layout.h"
 #include "accel/kd_scalar.h"
 
@@ -16,6 +18,10 @@ struct KdTree::Data {
   std::vector<Plane> planes;
   std::vector<VisibilityMask> masks;
   KdView view;
+
+  bool can_hit(VisibilityMask mask) const {
+    return view.root != kEmptyChild && (view.any_mask & mask) != 0;
+  }
 };
 
 namespace {
@@ -81,10 +87,11 @@ KdTree KdTree::build(const ShapeSpans& shapes, const KdTreeConfig& config) {
 
 void KdTree::closest_hits(std::span<const Ray> rays, VisibilityMask mask,
                           std::span<Hit> hits) const {
-  QueryCost cost;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    hits[i] = closest_hit_scalar(data_->view, rays[i], mask, cost);
+  if (!data_->can_hit(mask)) {
+    std::fill_n(hits.begin(), rays.size(), Hit{});
+    return;
   }
+  trace_closest(data_->view, rays.data(), rays.size(), mask, hits.data());
 }
 
 void KdTree::closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
@@ -106,9 +113,11 @@ void KdTree::closest_hits(std::span<const RayPacket> packets, VisibilityMask mas
 
 void KdTree::any_hits(std::span<const Ray> rays, VisibilityMask mask,
                       std::span<std::uint8_t> occluded) const {
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    occluded[i] = any_hit_scalar(data_->view, rays[i], mask) ? 1 : 0;
+  if (!data_->can_hit(mask)) {
+    std::fill_n(occluded.begin(), rays.size(), std::uint8_t{0});
+    return;
   }
+  trace_any(data_->view, rays.data(), rays.size(), mask, occluded.data());
 }
 
 void KdTree::any_hits(std::span<const RayPacket> packets, VisibilityMask mask,

@@ -19,9 +19,9 @@ namespace abbe {
 /// The triangle test finds hits up to 3 ulp of the distance beside the triangle, so a cell counts
 /// as met when the ray passes it by 8 ulp of the largest distance in the scene. This replaces
 /// bounds that are expanded at build, and holds for origins far outside the scene too.
-struct RayTube {
-  float low_origin[3], high_origin[3];
-  float low_reciprocal[3], high_reciprocal[3];
+struct alignas(32) RayTube {
+  float origin[8];      ///< Lower bound: 0 to 2 for x, y, z; upper bound: 4 to 6.
+  float reciprocal[8];  ///< Of the direction, laid out alike.
   float t_near = 0.0f;
   float t_far = 0.0f;  ///< Below t_near when the ray misses the bounds.
 };
@@ -40,11 +40,10 @@ inline void set_tube_axis(RayTube& tube, int axis, float origin_low, float origi
   if (std::abs(high) < tiny) high = tiny;
   const float ulp = 0x1p-23f * std::max(std::abs(origin_low), std::abs(origin_high));
   const float width = std::max(reach * kTubeSlack, ulp);
-  tube.low_origin[axis] = origin_low - width;
-  tube.high_origin[axis] = origin_high + width;
-  tube.low_reciprocal[axis] = (1.0f / low) * (low > 0.0f ? 1.0f + kTubeSlack : 1.0f - kTubeSlack);
-  tube.high_reciprocal[axis] =
-      (1.0f / high) * (high < 0.0f ? 1.0f + kTubeSlack : 1.0f - kTubeSlack);
+  tube.origin[axis] = origin_low - width;
+  tube.origin[4 + axis] = origin_high + width;
+  tube.reciprocal[axis] = (1.0f / low) * (low > 0.0f ? 1.0f + kTubeSlack : 1.0f - kTubeSlack);
+  tube.reciprocal[4 + axis] = (1.0f / high) * (high < 0.0f ? 1.0f + kTubeSlack : 1.0f - kTubeSlack);
 }
 
 /// Limits the tube to the bounds of the scene and to (0, t_max].
@@ -52,14 +51,14 @@ inline void clip_tube(RayTube& tube, const Box3f& bounds, float t_max) {
   tube.t_near = 0.0f;
   tube.t_far = t_max;
   for (int k = 0; k < 3; ++k) {
-    const float below = (bounds.high[k] - tube.low_origin[k]) * tube.low_reciprocal[k];
-    const float above = (bounds.low[k] - tube.high_origin[k]) * tube.high_reciprocal[k];
-    if (tube.low_reciprocal[k] > 0.0f) {
+    const float below = (bounds.high[k] - tube.origin[k]) * tube.reciprocal[k];
+    const float above = (bounds.low[k] - tube.origin[4 + k]) * tube.reciprocal[4 + k];
+    if (tube.reciprocal[k] > 0.0f) {
       tube.t_far = std::min(tube.t_far, below);
     } else {
       tube.t_near = std::max(tube.t_near, below);
     }
-    if (tube.high_reciprocal[k] > 0.0f) {
+    if (tube.reciprocal[4 + k] > 0.0f) {
       tube.t_near = std::max(tube.t_near, above);
     } else {
       tube.t_far = std::min(tube.t_far, above);

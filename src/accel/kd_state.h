@@ -1,0 +1,128 @@
+/// What a query carries through the tree, the same for every instruction set level.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "accel/kd_layout.h"
+#include "accel/kd_tube.h"
+#include "accel/query.h"
+
+namespace abbe {
+
+inline constexpr KdChild kDoneChild = 0xffffffffu;
+
+/// Cells still to be visited, the nearest on top. Eight entries are written at a time.
+struct alignas(64) TraversalStack {
+  KdChild child[kStackEntries + 8];
+  float t_near[kStackEntries + 8];
+  float t_far[kStackEntries + 8];
+  int top = 0;
+
+  /// The root above an entry that no ray skips and that says that all is done.
+  void start(KdChild root, const RayTube& tube) {
+    child[0] = kDoneChild;
+    t_near[0] = -kInfinity;
+    t_far[0] = kInfinity;
+    child[1] = root;
+    t_near[1] = tube.t_near;
+    t_far[1] = tube.t_far;
+    top = tube.t_near <= tube.t_far ? 2 : 1;
+  }
+};
+
+/// The axes of the triangle test: z is the longest component of the direction.
+/// Source: Woop, Benthin & Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013.
+struct ShearAxes {
+  int x, y, z;
+  explicit ShearAxes(int longest) : z(longest) {
+    x = z == 2 ? 0 : z + 1;
+    y = x == 2 ? 0 : x + 1;
+  }
+  ShearAxes() : ShearAxes(2) {}
+};
+
+inline int longest_axis(float x, float y, float z) {
+  return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+}
+
+/// One ray under way.
+struct alignas(64) RayState {
+  RayTube tube;
+  ShearAxes axes;
+  float origin_x = 0.0f, origin_y = 0.0f, origin_z = 0.0f;  ///< Along `axes`.
+  float shear_x = 0.0f, shear_y = 0.0f, shear_z = 0.0f;
+  Hit hit;  ///< hit.t is the end of the open segment; it shrinks with every hit.
+  const Ray* ray = nullptr;
+  std::size_t index = 0;
+  KdChild current = kDoneChild;       ///< The cell the ray is in.
+  float t_near = 0.0f, t_far = 0.0f;  ///< Where it is in there.
+  TraversalStack stack;
+
+  /// All but the tube and the stack.
+  void start(const Ray& r, std::size_t i) {
+    ray = &r;
+    index = i;
+    const Vec3f& d = r.direction;
+    axes = ShearAxes(longest_axis(std::abs(d.x), std::abs(d.y), std::abs(d.z)));
+    shear_z = 1.0f / d[axes.z];
+    shear_x = d[axes.x] * shear_z;
+    shear_y = d[axes.y] * shear_z;
+    origin_x = r.origin[axes.x];
+    origin_y = r.origin[axes.y];
+    origin_z = r.origin[axes.z];
+    hit = {r.t_max, kNoPrimitive, 0.0f, 0.0f};
+  }
+
+  /// Takes the nearest cell that is not behind the hit.
+  void pop() {
+    int top = stack.top;
+    do {
+      --top;
+    } while (stack.t_near[top] > hit.t);
+    stack.top = top;
+    current = stack.child[top];
+    t_near = stack.t_near[top];
+    t_far = stack.t_far[top];
+  }
+
+  /// Of two primitives at the same distance the lower number wins, whatever was tested first.
+  void accept(float t, std::uint32_t primitive, float u, float v, const KdView& view,
+              VisibilityMask mask) {
+    const bool is_nearer = t < hit.t || (t == hit.t && hit.is_hit() && primitive < hit.primitive);
+    if (t > 0.0f && is_nearer && view.is_visible(primitive, mask)) hit = {t, primitive, u, v};
+  }
+
+  /// Tests a solid. Errors: none.
+  void test_solid(std::uint32_t primitive, const KdView& view, VisibilityMask mask);
+};
+
+/// Lanes of a packet whose directions have the same longest component.
+struct ShearGroup {
+  ShearAxes axes;
+  std::uint32_t lanes = 0;
+};
+
+/// Sixteen rays under way together.
+struct alignas(64) PacketState {
+  float origin[3][kPacketLanes];
+  float direction[3][kPacketLanes];
+  float shear_x[kPacketLanes], shear_y[kPacketLanes], shear_z[kPacketLanes];
+  HitPacket hits;  ///< hits.t shrinks; lanes that are done or not active have −infinity.
+  RayTube tube;
+  ShearGroup groups[3];
+  int group_count = 0;
+  std::uint32_t active = 0;
+  float farthest = 0.0f;  ///< Largest hits.t.
+  // All rays are within (half_x + spread_x·|z|, …) of one line, z from its origin along axes.z.
+  ShearAxes axes;
+  float line_x = 0.0f, line_y = 0.0f, line_z = 0.0f;
+  float line_shear_x = 0.0f, line_shear_y = 0.0f;
+  float half_x = 0.0f, half_y = 0.0f, half_z = 0.0f;
+  float spread_x = 0.0f, spread_y = 0.0f;
+  float longest_z = 0.0f;  ///< Largest |direction| along axes.z.
+  bool is_z_positive = true;
+  TraversalStack stack;
+};
+
+}  // namespace abbe

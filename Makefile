@@ -52,7 +52,8 @@ test-sanitize: deps-test ## Runs every test under the address and undefined-beha
 
 bench: configure deps-bench ## Runs the benchmarks: ratios, measured in one run.
 	cmake $(BUILD) -DABBE_BUILD_BENCHMARKS=ON
-	cmake --build $(BUILD) --parallel $(JOBS) --target bench
+	cmake --build $(BUILD) --parallel $(JOBS) --target abbe_bench
+	$(BUILD)/tests/bench/abbe_bench
 
 bless: deps-test ## Renews golden images: make bless CASE=prism_spectral; prints the measured difference.
 	$(CONFIGURE) -DABBE_BUILD_TESTS=ON

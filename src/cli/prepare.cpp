@@ -30,10 +30,12 @@ PreparedScene prepare_scene(const SceneOptions& options, const Catalogue& catalo
   if (!options.scene_name.empty()) load.scene_name = options.scene_name;
   PreparedScene prepared;
   prepared.scene = load_gltf(options.file, catalogue, load, notes);
-  prepared.has_default_lights = add_default_lights(prepared.scene);
   prepared.has_default_camera = add_default_camera(prepared.scene);
+  prepared.has_default_lights = add_default_lights(prepared.scene);
   if (prepared.has_default_lights) {
-    notes.info("", "the scene has no light of its own: lit by a default key and fill light");
+    notes.info(
+        "",
+        "the scene has no light of its own: lit by a default key and fill lamp in a grey surround");
   }
   if (prepared.has_default_camera) {
     notes.info("", "the scene has no camera: seen by a default one that frames it");

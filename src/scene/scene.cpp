@@ -64,6 +64,29 @@ Mat4d looking_along(const Vec3d& direction, const Vec3d& position) {
   return {Vec4d(x, 0.0), Vec4d(y, 0.0), Vec4d(z, 0.0), Vec4d(position, 1.0)};
 }
 
+// Metals and glass show their surroundings: without any they would be black. A dim grey sphere
+// around everything, cameras included.
+void add_default_surround(Scene& scene, const Extent& extent, double least_radius_m) {
+  double radius_m = least_radius_m;
+  for (const Camera& camera : scene.cameras) {
+    radius_m = std::max(radius_m, 2.0 * glm::distance(Vec3d(camera.to_world[3]), extent.center));
+  }
+  Material grey;
+  grey.name = "default surround";
+  grey.base_color_rec709 = Vec4f(0.0f, 0.0f, 0.0f, 1.0f);
+  grey.metallic = 0.0f;
+  grey.index = ConstantIndex{1.0};
+  grey.emissive_rec709 = Vec3f(0.18f);
+  scene.materials.push_back(grey);
+  Instance surround;
+  surround.name = grey.name;
+  surround.what = Shape{.name = grey.name,
+                        .geometry = SphereShape{radius_m},
+                        .material = static_cast<std::uint32_t>(scene.materials.size() - 1)};
+  surround.to_world[3] = Vec4d(extent.center, 1.0);
+  scene.instances.push_back(surround);
+}
+
 }  // namespace
 
 Box3f bounds_of(const Scene& scene) {
@@ -92,19 +115,24 @@ bool add_default_lights(Scene& scene) {
   for (const Instance& instance : scene.instances) {
     if (emits(scene.materials[material_of(scene, instance)])) return false;
   }
+  const Extent extent = extent_of(scene);
   // A white diffuse surface that faces the key light comes out at E/π = 1 cd/m², display white.
   constexpr double kKey_lux = 3.14159265358979323846;
-  Light key;
-  key.name = "default key";
-  key.type = LightType::Directional;
-  key.intensity = kKey_lux;
-  const Vec3d center = extent_of(scene).center;
-  key.to_world = looking_along({-0.5, -0.8, -0.6}, center);
-  Light fill = key;
-  fill.name = "default fill";
-  fill.intensity = 0.3 * kKey_lux;
-  fill.to_world = looking_along({0.9, -0.2, -0.5}, center);
-  scene.lights = {key, fill};
+  constexpr double kFill_lux = 0.3 * kKey_lux;
+  // Lamps far enough to light evenly, inside the surround.
+  const double distance_m = 10.0 * extent.radius_m;
+  const auto add_lamp = [&](const char* name, const Vec3d& direction, double illuminance_lux) {
+    Light lamp;
+    lamp.name = name;
+    lamp.type = LightType::Point;
+    lamp.intensity = illuminance_lux * distance_m * distance_m;
+    lamp.to_world =
+        looking_along(direction, extent.center - distance_m * glm::normalize(direction));
+    scene.lights.push_back(lamp);
+  };
+  add_lamp("default key", {-0.5, -0.8, -0.6}, kKey_lux);
+  add_lamp("default fill", {0.9, -0.2, -0.5}, kFill_lux);
+  add_default_surround(scene, extent, 3.0 * distance_m);
   return true;
 }
 

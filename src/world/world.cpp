@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
+#include "scene/convex.h"
 #include "world/materials.h"
-#include "world/polyhedron.h"
 
 namespace abbe {
 namespace {
@@ -133,39 +134,40 @@ class Flattener {
       world_.ellipsoids.push_back(ellipsoid);
       ellipsoid_surface_.push_back(number);
     } else {
-      add_polyhedron(std::get<ConvexShape>(shape.geometry), linear, offset, where);
+      add_polyhedron(std::get<ConvexShape>(shape.geometry), instance.to_world, where);
       polyhedron_surface_.push_back(number);
     }
     world_.surfaces.push_back(surface);
   }
 
-  void add_polyhedron(const ConvexShape& shape, const Mat3d& linear, const Vec3d& offset,
-                      const std::string& where) {
-    ConvexPolyhedron polyhedron;
-    polyhedron.first_plane = static_cast<std::uint32_t>(world_.planes.size());
-    polyhedron.plane_count = static_cast<std::uint32_t>(shape.planes.size());
-    const Mat3d for_normals = glm::transpose(glm::inverse(linear));
-    for (const Vec4d& source : shape.planes) {
-      const Vec3d normal = for_normals * Vec3d(source);
-      const double length = glm::length(normal);
-      Plane plane;
-      plane.normal = normal / length;
-      plane.distance = (source.w + glm::dot(normal, offset)) / length;
-      world_.planes.push_back(plane);
-    }
-    const auto corners = polyhedron_corners(
-        std::span(world_.planes).subspan(polyhedron.first_plane, polyhedron.plane_count));
-    if (!corners) {
+  void add_polyhedron(const ConvexShape& shape, const Mat4d& to_world, const std::string& where) {
+    const std::vector<Vec3d> corners = corners_of(shape);
+    if (corners.size() < 4 || !is_bounded(shape)) {
       throw_input_error(where, "planes that bound no solid",
                         "planes whose half-spaces n·x <= d share a finite volume");
     }
-    Vec3d low = corners->front();
-    Vec3d high = low;
-    for (const Vec3d& corner : *corners) {
-      low = glm::min(low, corner);
-      high = glm::max(high, corner);
+    Vec3d low(std::numeric_limits<double>::infinity());
+    Vec3d high(-std::numeric_limits<double>::infinity());
+    for (const Vec3d& corner : corners) {
+      const Vec3d placed(to_world * Vec4d(corner, 1.0));
+      low = glm::min(low, placed);
+      high = glm::max(high, placed);
     }
+    ConvexPolyhedron polyhedron;
+    polyhedron.first_plane = static_cast<std::uint32_t>(world_.planes.size());
     polyhedron.bounds = outward_bounds(low, high);
+    const Mat3d for_normals = glm::transpose(glm::inverse(Mat3d(to_world)));
+    for (const Vec4d& source : shape.planes) {
+      const Vec3d normal = for_normals * Vec3d(source);
+      const double length = glm::length(normal);
+      if (!(length > 0.0)) continue;
+      Plane plane;
+      plane.normal = normal / length;
+      plane.distance = (source.w + glm::dot(normal, Vec3d(to_world[3]))) / length;
+      world_.planes.push_back(plane);
+    }
+    polyhedron.plane_count =
+        static_cast<std::uint32_t>(world_.planes.size()) - polyhedron.first_plane;
     world_.polyhedra.push_back(polyhedron);
   }
 

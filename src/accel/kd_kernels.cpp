@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "accel/kd_packet-inl.h"
 #include "accel/kd_stream-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -13,12 +14,143 @@ namespace HWY_NAMESPACE {
 
 void RaysClosest(const KdView& view, const Ray* rays, std::size_t count, VisibilityMask mask,
                  Hit* hits) {
-  TraceStream<false>(view, rays, count, mask, StoreHit{hits});
+  TraceStream<false>(view, mask, ClosestOfSpan{{rays, count}, hits});
 }
 
 void RaysAny(const KdView& view, const Ray* rays, std::size_t count, VisibilityMask mask,
              std::uint8_t* occluded) {
-  TraceStream<true>(view, rays, count, mask, StoreOccluded{occluded});
+  TraceStream<true>(view, mask, AnyOfSpan{{rays, count}, occluded});
+}
+
+// Lanes that left their packets, waiting to be traced as a stream.
+struct Stragglers {
+  static constexpr std::size_t kCapacity = 512;
+  std::size_t count = 0;
+  std::size_t packet[kCapacity];
+  std::uint8_t lane[kCapacity];
+  Ray rays[kCapacity];
+  Hit met[kCapacity];
+
+  HWY_INLINE bool is_full() const { return count + kPacketLanes > kCapacity; }
+
+  // The given lanes of a packet, with what they met so far, if anything.
+  HWY_INLINE void add(const RayPacket& from, std::size_t index, std::uint32_t lanes,
+                      const HitPacket* hits) {
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const auto l = hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes);
+      packet[count] = index;
+      lane[count] = static_cast<std::uint8_t>(l);
+      rays[count] = {{from.origin_x[l], from.origin_y[l], from.origin_z[l]},
+                     from.t_max[l],
+                     {from.direction_x[l], from.direction_y[l], from.direction_z[l]}};
+      met[count] = {from.t_max[l], kNoPrimitive, 0.0f, 0.0f};
+      if (hits != nullptr && hits->primitive[l] != kNoPrimitive) {
+        met[count] = {hits->t[l], hits->primitive[l], hits->u[l], hits->v[l]};
+      }
+      ++count;
+    }
+  }
+};
+
+struct ClosestOfStragglers {
+  const Stragglers& from;
+  HitPacket* hits;
+  std::size_t count;
+  HWY_INLINE const Ray& ray(std::size_t i) const { return from.rays[i]; }
+  HWY_INLINE Hit found(std::size_t i) const { return from.met[i]; }
+  HWY_INLINE void finish(const RayState& ray) const {
+    HitPacket& out = hits[from.packet[ray.index]];
+    const auto lane = from.lane[ray.index];
+    out.t[lane] = ray.hit.is_hit() ? ray.hit.t : kInfinity;
+    out.u[lane] = ray.hit.u;
+    out.v[lane] = ray.hit.v;
+    out.primitive[lane] = ray.hit.primitive;
+  }
+};
+
+struct AnyOfStragglers {
+  const Stragglers& from;
+  std::uint32_t* occluded;
+  std::size_t count;
+  HWY_INLINE const Ray& ray(std::size_t i) const { return from.rays[i]; }
+  HWY_INLINE Hit found(std::size_t i) const { return from.met[i]; }
+  HWY_INLINE void finish(const RayState& ray) const {
+    const std::uint32_t is_met = ray.hit.is_hit() ? 1u : 0u;
+    occluded[from.packet[ray.index]] |= is_met << from.lane[ray.index];
+  }
+};
+
+// The answers of a packet; t and position of lanes that met nothing are set.
+HWY_INLINE void StoreAnswers(const HitPacket& hits, HitPacket& out) {
+  const LaneF d;
+  const LaneU du;
+  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    const auto primitive = hn::Load(du, hits.primitive + i);
+    const auto is_none = hn::RebindMask(d, hn::Eq(primitive, hn::Set(du, kNoPrimitive)));
+    hn::Store(primitive, du, out.primitive + i);
+    hn::Store(hn::IfThenElse(is_none, hn::Set(d, kInfinity), hn::Load(d, hits.t + i)), d,
+              out.t + i);
+    hn::Store(hn::Load(d, hits.u + i), d, out.u + i);
+    hn::Store(hn::Load(d, hits.v + i), d, out.v + i);
+  }
+}
+
+HWY_INLINE void StoreNothing(HitPacket& out) {
+  const LaneF d;
+  const LaneU du;
+  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    hn::Store(hn::Set(du, kNoPrimitive), du, out.primitive + i);
+    hn::Store(hn::Set(d, kInfinity), d, out.t + i);
+    hn::Store(hn::Zero(d), d, out.u + i);
+    hn::Store(hn::Zero(d), d, out.v + i);
+  }
+}
+
+void PacketsClosest(const KdView& view, const RayPacket* packets, std::size_t count,
+                    VisibilityMask mask, HitPacket* hits) {
+  PacketState p;
+  Stragglers stragglers;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t active = packets[i].active & 0xffffu;
+    if (active != 0 && StartPacket(view, packets[i], p)) {
+      const bool is_done = TracePacket<false>(view, mask, p);
+      StoreAnswers(p.hits, hits[i]);
+      if (is_done) continue;
+      stragglers.add(packets[i], i, active, &p.hits);
+    } else {
+      StoreNothing(hits[i]);
+      stragglers.add(packets[i], i, active, nullptr);
+    }
+    if (stragglers.is_full()) {
+      TraceStream<false>(view, mask, ClosestOfStragglers{stragglers, hits, stragglers.count});
+      stragglers.count = 0;
+    }
+  }
+  TraceStream<false>(view, mask, ClosestOfStragglers{stragglers, hits, stragglers.count});
+}
+
+void PacketsAny(const KdView& view, const RayPacket* packets, std::size_t count,
+                VisibilityMask mask, std::uint32_t* occluded) {
+  PacketState p;
+  Stragglers stragglers;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t active = packets[i].active & 0xffffu;
+    occluded[i] = 0;
+    if (active == 0) continue;
+    if (StartPacket(view, packets[i], p)) {
+      const bool is_done = TracePacket<true>(view, mask, p);
+      occluded[i] = p.met;
+      if (is_done) continue;
+      stragglers.add(packets[i], i, p.active, nullptr);
+    } else {
+      stragglers.add(packets[i], i, active, nullptr);
+    }
+    if (stragglers.is_full()) {
+      TraceStream<true>(view, mask, AnyOfStragglers{stragglers, occluded, stragglers.count});
+      stragglers.count = 0;
+    }
+  }
+  TraceStream<true>(view, mask, AnyOfStragglers{stragglers, occluded, stragglers.count});
 }
 
 }  // namespace HWY_NAMESPACE
@@ -39,6 +171,19 @@ void trace_closest(const KdView& view, const Ray* rays, std::size_t count, Visib
 void trace_any(const KdView& view, const Ray* rays, std::size_t count, VisibilityMask mask,
                std::uint8_t* occluded) {
   HWY_DYNAMIC_DISPATCH(RaysAny)(view, rays, count, mask, occluded);
+}
+
+HWY_EXPORT(PacketsClosest);
+HWY_EXPORT(PacketsAny);
+
+void trace_closest(const KdView& view, const RayPacket* packets, std::size_t count,
+                   VisibilityMask mask, HitPacket* hits) {
+  HWY_DYNAMIC_DISPATCH(PacketsClosest)(view, packets, count, mask, hits);
+}
+
+void trace_any(const KdView& view, const RayPacket* packets, std::size_t count, VisibilityMask mask,
+               std::uint32_t* occluded) {
+  HWY_DYNAMIC_DISPATCH(PacketsAny)(view, packets, count, mask, occluded);
 }
 
 }  // namespace abbe

@@ -59,8 +59,8 @@ struct alignas(64) RayState {
   float t_near = 0.0f, t_far = 0.0f;  ///< Where it is in there.
   TraversalStack stack;
 
-  /// All but the tube and the stack.
-  void start(const Ray& r, std::size_t i) {
+  /// All but the tube and the stack. `found` is what was met already; its t ends the segment.
+  void start(const Ray& r, const Hit& found, std::size_t i) {
     ray = &r;
     index = i;
     const Vec3f& d = r.direction;
@@ -71,7 +71,7 @@ struct alignas(64) RayState {
     origin_x = r.origin[axes.x];
     origin_y = r.origin[axes.y];
     origin_z = r.origin[axes.z];
-    hit = {r.t_max, kNoPrimitive, 0.0f, 0.0f};
+    hit = found;
   }
 
   /// Takes the nearest cell that is not behind the hit.
@@ -113,6 +113,7 @@ struct alignas(64) PacketState {
   ShearGroup groups[3];
   int group_count = 0;
   std::uint32_t active = 0;
+  std::uint32_t met = 0;  ///< Of any hit: lanes that are done.
   float farthest = 0.0f;  ///< Largest hits.t.
   // All rays are within (half_x + spread_x·|z|, …) of one line, z from its origin along axes.z.
   ShearAxes axes;
@@ -124,5 +125,8 @@ struct alignas(64) PacketState {
   bool is_z_positive = true;
   TraversalStack stack;
 };
+
+/// Tests a solid against the active lanes; returns those that it is the nearest hit of.
+std::uint32_t test_solid_lanes(const KdView& view, std::uint32_t primitive, PacketState& packet);
 
 }  // namespace abbe

@@ -58,18 +58,19 @@ HWY_INLINE void TestBlock(const KdView& view, const TriangleBlock& block, Visibi
                         inverse);
     const auto is_hit =
         hn::And(is_inside, hn::And(hn::Gt(t, zero), hn::Le(t, hn::Set(d, ray.hit.t))));
+    if (HWY_LIKELY(hn::AllFalse(d, is_hit))) continue;
     std::uint8_t bytes[8] = {};
     hn::StoreMaskBits(d, is_hit, bytes);
     unsigned bits = bytes[0] | static_cast<unsigned>(bytes[1]) << 8;
-    if (bits == 0) continue;
     alignas(64) float ts[kBlockTriangles], vs[kBlockTriangles], ws[kBlockTriangles];
     hn::Store(t, d, ts);
     hn::Store(hn::Mul(v, inverse), d, vs);
     hn::Store(hn::Mul(w, inverse), d, ws);
-    for (; bits != 0; bits &= bits - 1) {
+    do {
       const auto lane = hwy::Num0BitsBelowLS1Bit_Nonzero32(bits);
       ray.accept(ts[lane], block.id[i + lane] & kIdMask, vs[lane], ws[lane], view, mask);
-    }
+      bits &= bits - 1;
+    } while (HWY_UNLIKELY(bits != 0));
   }
 }
 
@@ -115,19 +116,20 @@ HWY_INLINE void TestLeaf(const KdView& view, VisibilityMask mask, RayState& ray)
   if (kAny && ray.hit.is_hit()) ray.current = kDoneChild;
 }
 
-template <bool kAny, class Finish>
-HWY_INLINE void TraceStream(const KdView& view, const Ray* rays, std::size_t count,
-                            VisibilityMask mask, const Finish& finish) {
+// Traces the rays source.ray(i), i < source.count, that have met source.found(i) already, and hands
+// each to source.finish() when it is done.
+template <bool kAny, class Source>
+HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Source& source) {
   RayState states[kInterleaved];
   RayLists lists;
   const TubeMaker tubes(view.bounds);
-  std::size_t next = 0;
-  for (; next < count && next < kInterleaved; ++next) {
-    lists.slot[kDone][next] = static_cast<std::uint8_t>(next);
+  const std::size_t count = source.count;
+  for (std::size_t s = 0; s < count && s < kInterleaved; ++s) {
+    lists.slot[kDone][s] = static_cast<std::uint8_t>(s);
     ++lists.count[kDone];
-    states[next].ray = nullptr;
+    states[s].ray = nullptr;
   }
-  next = 0;
+  std::size_t next = 0;
   while (true) {
     // New rays for those that are done.
     const std::size_t done = lists.count[kDone];
@@ -135,10 +137,10 @@ HWY_INLINE void TraceStream(const KdView& view, const Ray* rays, std::size_t cou
     for (std::size_t i = 0; i < done; ++i) {
       const std::size_t s = lists.slot[kDone][i];
       RayState& ray = states[s];
-      if (ray.ray != nullptr) finish(ray);
+      if (ray.ray != nullptr) source.finish(ray);
       if (next == count) continue;
-      tubes.make(rays[next], ray.tube);
-      ray.start(rays[next], next);
+      tubes.make(source.ray(next), ray.tube);
+      ray.start(source.ray(next), source.found(next), next);
       ray.stack.start(view.root, ray.tube);
       ray.pop();
       ++next;
@@ -178,16 +180,25 @@ HWY_INLINE void TraceStream(const KdView& view, const Ray* rays, std::size_t cou
   }
 }
 
-struct StoreHit {
+// Rays as the caller gave them.
+struct RaySpan {
+  const Ray* rays;
+  std::size_t count;
+
+  HWY_INLINE const Ray& ray(std::size_t i) const { return rays[i]; }
+  HWY_INLINE Hit found(std::size_t i) const { return {rays[i].t_max, kNoPrimitive, 0.0f, 0.0f}; }
+};
+
+struct ClosestOfSpan : RaySpan {
   Hit* hits;
-  HWY_INLINE void operator()(const RayState& ray) const {
+  HWY_INLINE void finish(const RayState& ray) const {
     hits[ray.index] = ray.hit.is_hit() ? ray.hit : Hit{};
   }
 };
 
-struct StoreOccluded {
+struct AnyOfSpan : RaySpan {
   std::uint8_t* occluded;
-  HWY_INLINE void operator()(const RayState& ray) const {
+  HWY_INLINE void finish(const RayState& ray) const {
     occluded[ray.index] = ray.hit.is_hit() ? 1 : 0;
   }
 };

@@ -42,10 +42,11 @@ MaskSummary summarize_masks(const ShapeSpans& shapes) {
   return summary;
 }
 
-Ray ray_of_lane(const RayPacket& packet, int lane) {
-  return {{packet.origin_x[lane], packet.origin_y[lane], packet.origin_z[lane]},
-          packet.t_max[lane],
-          {packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]}};
+HitPacket nothing_hit() {
+  HitPacket hits{};
+  std::fill(std::begin(hits.t), std::end(hits.t), kInfinity);
+  std::fill(std::begin(hits.primitive), std::end(hits.primitive), kNoPrimitive);
+  return hits;
 }
 
 }  // namespace
@@ -96,19 +97,11 @@ void KdTree::closest_hits(std::span<const Ray> rays, VisibilityMask mask,
 
 void KdTree::closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
                           std::span<HitPacket> hits) const {
-  QueryCost cost;
-  for (std::size_t i = 0; i < packets.size(); ++i) {
-    for (int lane = 0; lane < kPacketLanes; ++lane) {
-      Hit hit;
-      if (packets[i].active >> lane & 1u) {
-        hit = closest_hit_scalar(data_->view, ray_of_lane(packets[i], lane), mask, cost);
-      }
-      hits[i].t[lane] = hit.t;
-      hits[i].u[lane] = hit.u;
-      hits[i].v[lane] = hit.v;
-      hits[i].primitive[lane] = hit.primitive;
-    }
+  if (!data_->can_hit(mask)) {
+    std::fill_n(hits.begin(), packets.size(), nothing_hit());
+    return;
   }
+  trace_closest(data_->view, packets.data(), packets.size(), mask, hits.data());
 }
 
 void KdTree::any_hits(std::span<const Ray> rays, VisibilityMask mask,
@@ -122,15 +115,11 @@ void KdTree::any_hits(std::span<const Ray> rays, VisibilityMask mask,
 
 void KdTree::any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
                       std::span<std::uint32_t> occluded) const {
-  for (std::size_t i = 0; i < packets.size(); ++i) {
-    occluded[i] = 0;
-    for (int lane = 0; lane < kPacketLanes; ++lane) {
-      if ((packets[i].active >> lane & 1u) == 0) continue;
-      if (any_hit_scalar(data_->view, ray_of_lane(packets[i], lane), mask)) {
-        occluded[i] |= 1u << lane;
-      }
-    }
+  if (!data_->can_hit(mask)) {
+    std::fill_n(occluded.begin(), packets.size(), 0u);
+    return;
   }
+  trace_any(data_->view, packets.data(), packets.size(), mask, occluded.data());
 }
 
 Hit KdTree::closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const {

@@ -1,0 +1,414 @@
+/// Packets of sixteen rays that go nearly the same way. The tree sees a packet as one wide tube; in
+/// a leaf, triangles beside the tube are dropped sixteen at a time, and the rest is tested against
+/// sixteen rays at a time. Compiled once for each instruction set level.
+
+#if defined(ABBE_ACCEL_KD_PACKET_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ABBE_ACCEL_KD_PACKET_INL_H_
+#undef ABBE_ACCEL_KD_PACKET_INL_H_
+#else
+#define ABBE_ACCEL_KD_PACKET_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "accel/kd_state.h"
+#include "accel/kd_step-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace abbe {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using LaneF = hn::CappedTag<float, kPacketLanes>;
+using LaneU = hn::CappedTag<std::uint32_t, kPacketLanes>;
+
+// Lanes [first, first + Lanes) of a bit mask.
+template <class D>
+HWY_INLINE hn::Mask<D> MaskOf(D d, std::uint32_t bits, std::size_t first) {
+  const std::uint32_t part = bits >> first;
+  const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(part),
+                                 static_cast<std::uint8_t>(part >> 8)};
+  return hn::LoadMaskBits(d, bytes);
+}
+
+template <class D, class M>
+HWY_INLINE std::uint32_t BitsOf(D d, M mask, std::size_t first) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
+  return (bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8) << first;
+}
+
+HWY_INLINE float LargestLane(const float* values) {
+  const LaneF d;
+  auto most = hn::Load(d, values);
+  for (std::size_t i = hn::Lanes(d); i < kPacketLanes; i += hn::Lanes(d)) {
+    most = hn::Max(most, hn::Load(d, values + i));
+  }
+  return hn::GetLane(hn::MaxOfLanes(d, most));
+}
+
+HWY_INLINE float SmallestLane(const float* values) {
+  const LaneF d;
+  auto least = hn::Load(d, values);
+  for (std::size_t i = hn::Lanes(d); i < kPacketLanes; i += hn::Lanes(d)) {
+    least = hn::Min(least, hn::Load(d, values + i));
+  }
+  return hn::GetLane(hn::MinOfLanes(d, least));
+}
+
+// Copies a row; lanes that are not active repeat one that is, so that they widen nothing.
+HWY_INLINE void CopyRow(const float* from, std::uint32_t active, std::size_t first_active,
+                        float* to) {
+  const LaneF d;
+  const auto fill = hn::Set(d, from[first_active]);
+  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    hn::Store(hn::IfThenElse(MaskOf(d, active, i), hn::Load(d, from + i), fill), d, to + i);
+  }
+}
+
+// Sorts the lanes by the longest component of their directions, and shears each along it.
+HWY_INLINE void ShearLanes(PacketState& p) {
+  const LaneF d;
+  std::uint32_t x_longest = 0, y_longest = 0;
+  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    const auto x = hn::Abs(hn::Load(d, p.direction[0] + i));
+    const auto y = hn::Abs(hn::Load(d, p.direction[1] + i));
+    const auto z = hn::Abs(hn::Load(d, p.direction[2] + i));
+    const auto beyond_y = hn::Gt(x, y);
+    x_longest |= BitsOf(d, hn::And(beyond_y, hn::Gt(x, z)), i);
+    y_longest |= BitsOf(d, hn::AndNot(beyond_y, hn::Gt(y, z)), i);
+  }
+  const std::uint32_t of_axis[3] = {x_longest & p.active, y_longest & p.active,
+                                    p.active & ~(x_longest | y_longest)};
+  p.group_count = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (of_axis[axis] == 0) continue;
+    ShearGroup& group = p.groups[p.group_count++];
+    group.axes = ShearAxes(axis);
+    group.lanes = of_axis[axis];
+    for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+      const auto is_in = MaskOf(d, p.group_count == 1 ? 0xffffu : group.lanes, i);
+      const auto z = hn::Div(hn::Set(d, 1.0f), hn::Load(d, p.direction[axis] + i));
+      const auto x = hn::Mul(hn::Load(d, p.direction[group.axes.x] + i), z);
+      const auto y = hn::Mul(hn::Load(d, p.direction[group.axes.y] + i), z);
+      hn::Store(hn::IfThenElse(is_in, x, hn::Load(d, p.shear_x + i)), d, p.shear_x + i);
+      hn::Store(hn::IfThenElse(is_in, y, hn::Load(d, p.shear_y + i)), d, p.shear_y + i);
+      hn::Store(hn::IfThenElse(is_in, z, hn::Load(d, p.shear_z + i)), d, p.shear_z + i);
+    }
+  }
+}
+
+// Beyond this slope between rays of a packet the tube is too wide to be of use.
+inline constexpr float kWidestSpread = 0.25f;
+
+// The line that all rays of the packet are near to. False when they are not near to any.
+HWY_INLINE bool FindLine(PacketState& p, bool common_origin, float reach) {
+  const LaneF d;
+  const ShearAxes axes = p.groups[0].axes;
+  p.axes = axes;
+  const float* const dz = p.direction[axes.z];
+  const float least_z = SmallestLane(dz), most_z = LargestLane(dz);
+  if (!(least_z > 0.0f || most_z < 0.0f)) return false;
+  p.is_z_positive = least_z > 0.0f;
+  p.longest_z = p.is_z_positive ? most_z : -least_z;
+  const float* shear_x = p.shear_x;
+  const float* shear_y = p.shear_y;
+  alignas(64) float x[kPacketLanes], y[kPacketLanes];
+  if (p.group_count > 1) {
+    for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+      const auto z = hn::Load(d, dz + i);
+      hn::Store(hn::Div(hn::Load(d, p.direction[axes.x] + i), z), d, x + i);
+      hn::Store(hn::Div(hn::Load(d, p.direction[axes.y] + i), z), d, y + i);
+    }
+    shear_x = x;
+    shear_y = y;
+  }
+  const float low_x = SmallestLane(shear_x), high_x = LargestLane(shear_x);
+  const float low_y = SmallestLane(shear_y), high_y = LargestLane(shear_y);
+  p.line_shear_x = 0.5f * (low_x + high_x);
+  p.line_shear_y = 0.5f * (low_y + high_y);
+  p.spread_x = 0.5f * (high_x - low_x);
+  p.spread_y = 0.5f * (high_y - low_y);
+  if (!(p.spread_x < kWidestSpread && p.spread_y < kWidestSpread)) return false;
+  p.line_x = p.origin[axes.x][0];
+  p.line_y = p.origin[axes.y][0];
+  p.line_z = p.origin[axes.z][0];
+  p.half_x = p.half_y = p.half_z = 0.0f;
+  if (!common_origin) {
+    alignas(64) float bx[kPacketLanes], by[kPacketLanes], bz[kPacketLanes];
+    for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+      // Where the ray is at z = 0 of the line.
+      const auto z = hn::Sub(hn::Load(d, p.origin[axes.z] + i), hn::Set(d, p.line_z));
+      const auto ox = hn::Sub(hn::Load(d, p.origin[axes.x] + i), hn::Set(d, p.line_x));
+      const auto oy = hn::Sub(hn::Load(d, p.origin[axes.y] + i), hn::Set(d, p.line_y));
+      hn::Store(hn::Sub(ox, hn::Mul(z, hn::Load(d, shear_x + i))), d, bx + i);
+      hn::Store(hn::Sub(oy, hn::Mul(z, hn::Load(d, shear_y + i))), d, by + i);
+      hn::Store(hn::Abs(z), d, bz + i);
+    }
+    const float left = SmallestLane(bx), right = LargestLane(bx);
+    const float bottom = SmallestLane(by), top = LargestLane(by);
+    p.line_x += 0.5f * (left + right);
+    p.line_y += 0.5f * (bottom + top);
+    p.half_x = 0.5f * (right - left);
+    p.half_y = 0.5f * (top - bottom);
+    p.half_z = LargestLane(bz);
+  }
+  // The slack of the tube, four times for the roundings here.
+  const float slack = 4.0f * kTubeSlack * reach;
+  p.half_x += slack;
+  p.half_y += slack;
+  p.half_z += slack;
+  return true;
+}
+
+// Makes a packet ready to trace; false when its rays go too different ways.
+HWY_INLINE bool StartPacket(const KdView& view, const RayPacket& packet, PacketState& p) {
+  const LaneF d;
+  const LaneU du;
+  p.active = packet.active & 0xffffu;
+  p.met = 0;
+  const auto first = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(p.active));
+  CopyRow(packet.direction_x, p.active, first, p.direction[0]);
+  CopyRow(packet.direction_y, p.active, first, p.direction[1]);
+  CopyRow(packet.direction_z, p.active, first, p.direction[2]);
+  CopyRow(packet.origin_x, p.active, first, p.origin[0]);
+  CopyRow(packet.origin_y, p.active, first, p.origin[1]);
+  CopyRow(packet.origin_z, p.active, first, p.origin[2]);
+  ShearLanes(p);
+  float low_o[3], high_o[3], low_d[3], high_d[3];
+  float reach = 0.0f, longest = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    low_o[k] = high_o[k] = p.origin[k][0];
+    if (!packet.common_origin) {
+      low_o[k] = SmallestLane(p.origin[k]);
+      high_o[k] = LargestLane(p.origin[k]);
+    }
+    low_d[k] = SmallestLane(p.direction[k]);
+    high_d[k] = LargestLane(p.direction[k]);
+    const float down = std::abs(view.bounds.low[k] - high_o[k]);
+    const float up = std::abs(view.bounds.high[k] - low_o[k]);
+    reach = reach > down ? reach : down;
+    reach = reach > up ? reach : up;
+    longest = longest > high_d[k] ? longest : high_d[k];
+    longest = longest > -low_d[k] ? longest : -low_d[k];
+  }
+  if (!FindLine(p, packet.common_origin, reach)) return false;
+  for (int k = 0; k < 3; ++k) {
+    set_tube_axis(p.tube, k, low_o[k], high_o[k], low_d[k], high_d[k], reach, longest);
+  }
+  const auto never = hn::Set(d, -kInfinity);
+  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    const auto t_max = hn::Load(d, packet.t_max + i);
+    hn::Store(hn::IfThenElse(MaskOf(d, p.active, i), t_max, never), d, p.hits.t + i);
+    hn::Store(hn::Set(du, kNoPrimitive), du, p.hits.primitive + i);
+    hn::Store(hn::Zero(d), d, p.hits.u + i);
+    hn::Store(hn::Zero(d), d, p.hits.v + i);
+  }
+  p.farthest = LargestLane(p.hits.t);
+  clip_tube(p.tube, view.bounds, p.farthest);
+  return true;
+}
+
+// The triangles of a block that the packet's rays may meet, one bit each.
+HWY_INLINE std::uint32_t NearLine(const TriangleBlock& block, const PacketState& p) {
+  const LaneF d;
+  using V = hn::Vec<LaneF>;
+  const float* const row_x = block.corners[p.axes.x];
+  const float* const row_y = block.corners[p.axes.y];
+  const float* const row_z = block.corners[p.axes.z];
+  constexpr int kCorner = 3 * kBlockTriangles;
+  const V lx = hn::Set(d, p.line_x), ly = hn::Set(d, p.line_y), lz = hn::Set(d, p.line_z);
+  const V sx = hn::Set(d, p.line_shear_x), sy = hn::Set(d, p.line_shear_y);
+  const float depth = p.farthest * p.longest_z + p.half_z;
+  const V first_z = hn::Set(d, p.is_z_positive ? -p.half_z : -depth);
+  const V last_z = hn::Set(d, p.is_z_positive ? depth : p.half_z);
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
+    const V az = hn::Sub(hn::Load(d, row_z + i), lz);
+    const V bz = hn::Sub(hn::Load(d, row_z + kCorner + i), lz);
+    const V cz = hn::Sub(hn::Load(d, row_z + 2 * kCorner + i), lz);
+    const V ax = hn::Sub(hn::Sub(hn::Load(d, row_x + i), lx), hn::Mul(sx, az));
+    const V ay = hn::Sub(hn::Sub(hn::Load(d, row_y + i), ly), hn::Mul(sy, az));
+    const V bx = hn::Sub(hn::Sub(hn::Load(d, row_x + kCorner + i), lx), hn::Mul(sx, bz));
+    const V by = hn::Sub(hn::Sub(hn::Load(d, row_y + kCorner + i), ly), hn::Mul(sy, bz));
+    const V cx = hn::Sub(hn::Sub(hn::Load(d, row_x + 2 * kCorner + i), lx), hn::Mul(sx, cz));
+    const V cy = hn::Sub(hn::Sub(hn::Load(d, row_y + 2 * kCorner + i), ly), hn::Mul(sy, cz));
+    const V low_z = hn::Min(hn::Min(az, bz), cz), high_z = hn::Max(hn::Max(az, bz), cz);
+    const V far = hn::Max(hn::Abs(low_z), hn::Abs(high_z));
+    const V half_x = hn::Add(hn::Set(d, p.half_x), hn::Mul(hn::Set(d, p.spread_x), far));
+    const V half_y = hn::Add(hn::Set(d, p.half_y), hn::Mul(hn::Set(d, p.spread_y), far));
+    const auto z_near = hn::And(hn::Ge(high_z, first_z), hn::Le(low_z, last_z));
+    const auto x_near = hn::And(hn::Le(hn::Min(hn::Min(ax, bx), cx), half_x),
+                                hn::Ge(hn::Max(hn::Max(ax, bx), cx), hn::Neg(half_x)));
+    const auto y_near = hn::And(hn::Le(hn::Min(hn::Min(ay, by), cy), half_y),
+                                hn::Ge(hn::Max(hn::Max(ay, by), cy), hn::Neg(half_y)));
+    // A ray between the lines of an edge's sides: the edge function of the line, give or take
+    // what it changes by over the width of the packet. Rays that some edge has to their left and
+    // some other to their right, all of them, pass the triangle.
+    const V u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
+    const V v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
+    const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
+    const V du = hn::Add(hn::Mul(half_x, hn::Abs(hn::Sub(cy, by))),
+                         hn::Mul(half_y, hn::Abs(hn::Sub(cx, bx))));
+    const V dv = hn::Add(hn::Mul(half_x, hn::Abs(hn::Sub(ay, cy))),
+                         hn::Mul(half_y, hn::Abs(hn::Sub(ax, cx))));
+    const V dw = hn::Add(hn::Mul(half_x, hn::Abs(hn::Sub(by, ay))),
+                         hn::Mul(half_y, hn::Abs(hn::Sub(bx, ax))));
+    const V most = hn::Min(hn::Min(hn::Add(u, du), hn::Add(v, dv)), hn::Add(w, dw));
+    const V least = hn::Max(hn::Max(hn::Sub(u, du), hn::Sub(v, dv)), hn::Sub(w, dw));
+    const auto edge_near = hn::Or(hn::Ge(most, hn::Zero(d)), hn::Le(least, hn::Zero(d)));
+    bits |= BitsOf(d, hn::And(hn::And(z_near, edge_near), hn::And(x_near, y_near)), i);
+  }
+  return bits;
+}
+
+// One triangle against the lanes of a group; the same operations as for a single ray.
+HWY_INLINE std::uint32_t TestTriangle(const TriangleBlock& block, std::size_t triangle,
+                                      const ShearGroup& group, PacketState& p) {
+  const LaneF d;
+  const LaneU du;
+  using V = hn::Vec<LaneF>;
+  const float* const c = &block.corners[0][triangle];
+  constexpr int kRow = kBlockTriangles;
+  const int x = group.axes.x, y = group.axes.y, z = group.axes.z;
+  const std::uint32_t id = block.id[triangle] & kIdMask;
+  std::uint32_t hit_lanes = 0;
+  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    const V ox = hn::Load(d, p.origin[x] + i);
+    const V oy = hn::Load(d, p.origin[y] + i);
+    const V oz = hn::Load(d, p.origin[z] + i);
+    const V sx = hn::Load(d, p.shear_x + i);
+    const V sy = hn::Load(d, p.shear_y + i);
+    const V az = hn::Sub(hn::Set(d, c[z * kRow]), oz);
+    const V bz = hn::Sub(hn::Set(d, c[(3 + z) * kRow]), oz);
+    const V cz = hn::Sub(hn::Set(d, c[(6 + z) * kRow]), oz);
+    const V ax = hn::Sub(hn::Sub(hn::Set(d, c[x * kRow]), ox), hn::Mul(sx, az));
+    const V ay = hn::Sub(hn::Sub(hn::Set(d, c[y * kRow]), oy), hn::Mul(sy, az));
+    const V bx = hn::Sub(hn::Sub(hn::Set(d, c[(3 + x) * kRow]), ox), hn::Mul(sx, bz));
+    const V by = hn::Sub(hn::Sub(hn::Set(d, c[(3 + y) * kRow]), oy), hn::Mul(sy, bz));
+    const V cx = hn::Sub(hn::Sub(hn::Set(d, c[(6 + x) * kRow]), ox), hn::Mul(sx, cz));
+    const V cy = hn::Sub(hn::Sub(hn::Set(d, c[(6 + y) * kRow]), oy), hn::Mul(sy, cz));
+    const V u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
+    const V v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
+    const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
+    const V zero = hn::Zero(d);
+    const V determinant = hn::Add(hn::Add(u, v), w);
+    const auto is_inside = hn::And(
+        hn::Or(hn::Ge(hn::Min(hn::Min(u, v), w), zero), hn::Le(hn::Max(hn::Max(u, v), w), zero)),
+        hn::Ne(determinant, zero));
+    if (hn::AllFalse(d, is_inside)) continue;
+    const V inverse = hn::Div(hn::Set(d, 1.0f), determinant);
+    const V t = hn::Mul(hn::Mul(hn::Add(hn::Add(hn::Mul(u, az), hn::Mul(v, bz)), hn::Mul(w, cz)),
+                                hn::Load(d, p.shear_z + i)),
+                        inverse);
+    const V best = hn::Load(d, p.hits.t + i);
+    const auto primitive = hn::Load(du, p.hits.primitive + i);
+    const auto ids = hn::Set(du, id);
+    // Of two primitives at the same distance the lower number wins; no primitive is the highest.
+    const auto is_lower = hn::RebindMask(
+        d, hn::And(hn::Lt(ids, primitive), hn::Ne(primitive, hn::Set(du, kNoPrimitive))));
+    const auto is_nearer = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), is_lower));
+    const auto is_hit =
+        hn::And(hn::And(is_inside, MaskOf(d, group.lanes, i)), hn::And(hn::Gt(t, zero), is_nearer));
+    hit_lanes |= BitsOf(d, is_hit, i);
+    hn::Store(hn::IfThenElse(is_hit, t, best), d, p.hits.t + i);
+    hn::Store(hn::IfThenElse(is_hit, hn::Mul(v, inverse), hn::Load(d, p.hits.u + i)), d,
+              p.hits.u + i);
+    hn::Store(hn::IfThenElse(is_hit, hn::Mul(w, inverse), hn::Load(d, p.hits.v + i)), d,
+              p.hits.v + i);
+    hn::Store(hn::IfThenElse(hn::RebindMask(du, is_hit), ids, primitive), du, p.hits.primitive + i);
+  }
+  return hit_lanes;
+}
+
+// Lanes that need no further answer.
+HWY_INLINE void Retire(PacketState& p, std::uint32_t lanes) {
+  const LaneF d;
+  p.active &= ~lanes;
+  p.met |= lanes;
+  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    hn::Store(
+        hn::IfThenElse(MaskOf(d, lanes, i), hn::Set(d, -kInfinity), hn::Load(d, p.hits.t + i)), d,
+        p.hits.t + i);
+  }
+}
+
+// What a packet may cost before its rays go on alone: it pays only while it meets few more cells
+// and triangles than one of its rays.
+inline constexpr int kPacketBudget = 200;
+inline constexpr int kBlockCost = 2;
+
+template <bool kAny>
+HWY_INLINE int TestPacketBlock(const KdView& view, const TriangleBlock& block, VisibilityMask mask,
+                               PacketState& p) {
+  std::uint32_t found = 0;
+  int cost = kBlockCost;
+  for (std::uint32_t near = NearLine(block, p); near != 0; near &= near - 1) {
+    const auto triangle = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(near));
+    if (view.masks != nullptr && !view.is_visible(block.id[triangle] & kIdMask, mask)) continue;
+    for (int g = 0; g < p.group_count; ++g) {
+      found |= TestTriangle(block, triangle, p.groups[g], p);
+      ++cost;
+    }
+  }
+  if (found == 0) return cost;
+  if (kAny) Retire(p, found);
+  p.farthest = LargestLane(p.hits.t);
+  return cost;
+}
+
+template <bool kAny>
+HWY_INLINE void TestPacketSolid(const KdView& view, std::uint32_t primitive, VisibilityMask mask,
+                                PacketState& p) {
+  if (!view.is_visible(primitive, mask)) return;
+  const std::uint32_t found = test_solid_lanes(view, primitive, p);
+  if (found == 0) return;
+  if (kAny) Retire(p, found);
+  p.farthest = LargestLane(p.hits.t);
+}
+
+// False when the budget ran out before all was visited; what was met so far stands in the packet.
+template <bool kAny>
+HWY_INLINE bool TracePacket(const KdView& view, VisibilityMask mask, PacketState& p) {
+  TraversalStack& stack = p.stack;
+  stack.start(view.root, p.tube);
+  int budget = kPacketBudget;
+  while (true) {
+    int top = stack.top;
+    do {
+      --top;
+    } while (stack.t_near[top] > p.farthest);
+    stack.top = top;
+    const KdChild child = stack.child[top];
+    if ((child & kLeafBit) == 0) {
+      --budget;
+      PushChildren(view.nodes[child], p.tube, stack.t_near[top], stack.t_far[top], p.farthest,
+                   stack);
+      continue;
+    }
+    if (child == kDoneChild) return true;
+    if (budget < 0) return false;
+    const std::uint32_t index = child & kIndexMask;
+    if (HWY_LIKELY((child & kMixedBit) == 0)) {
+      for (const TriangleBlock* block = view.blocks + index;; ++block) {
+        budget -= TestPacketBlock<kAny>(view, *block, mask, p);
+        if ((block->id[0] & kMoreBlocksBit) == 0) break;
+      }
+    } else {
+      const MixedLeaf& mixed = view.mixed_leaves[index];
+      for (std::uint32_t b = 0; b < mixed.block_count; ++b) {
+        TestPacketBlock<kAny>(view, view.blocks[mixed.first_block + b], mask, p);
+      }
+      for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
+        TestPacketSolid<kAny>(view, view.solids[mixed.first_solid + s], mask, p);
+      }
+    }
+    if (kAny && p.active == 0) return true;
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace abbe
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -5,214 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <string_view>
 #include <vector>
 
 #include "base/error.h"
+#include "load/gltf_rules.h"
 
 namespace abbe::gltf {
 namespace {
-
-enum class Is {
-  Object,
-  Array,    // low to high elements
-  Number,   // low to high
-  Integer,  // low to high
-  Index,    // into the array at `target`
-  Text,
-  Boolean,
-};
-
-// One fact about a document. `path` is a JSON pointer in which * stands for every element or
-// member.
-struct Rule {
-  const char* path;
-  Is type;
-  bool required = false;
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  const char* target = "";
-};
-
-constexpr double kMany = 4294967296.0;         // Elements of an array, at most.
-constexpr double kLarge = 9007199254740992.0;  // Integers up to here are exact: 2^53.
-constexpr double kInf = std::numeric_limits<double>::infinity();
-
-Rule object(const char* path, bool required = false) {
-  return {path, Is::Object, required};
-}
-Rule array(const char* path, double low = 0, double high = kMany, bool required = false) {
-  return {path, Is::Array, required, low, high};
-}
-Rule number(const char* path, double low = -kInf, double high = kInf) {
-  return {path, Is::Number, false, low, high};
-}
-Rule integer(const char* path, double low, double high, bool required = false) {
-  return {path, Is::Integer, required, low, high};
-}
-Rule index(const char* path, const char* target, bool required = false) {
-  return {path, Is::Index, required, 0, 0, target};
-}
-Rule text(const char* path, bool required = false) {
-  return {path, Is::Text, required};
-}
-Rule boolean(const char* path) {
-  return {path, Is::Boolean};
-}
-
-// In this order: what a later rule walks through, an earlier one has checked.
-const std::vector<Rule>& rules() {
-  static const std::vector<Rule> kRules = {
-      object("/asset", true),
-      text("/asset/version", true),
-      array("/extensionsUsed"),
-      text("/extensionsUsed/*"),
-      array("/extensionsRequired"),
-      text("/extensionsRequired/*"),
-      object("/extensions"),
-      object("/extensions/KHR_lights_punctual"),
-      array("/extensions/KHR_lights_punctual/lights"),
-      object("/extensions/KHR_lights_punctual/lights/*"),
-
-      array("/buffers"),
-      object("/buffers/*"),
-      integer("/buffers/*/byteLength", 1, kLarge, true),
-      text("/buffers/*/uri"),
-      array("/bufferViews"),
-      object("/bufferViews/*"),
-      index("/bufferViews/*/buffer", "/buffers", true),
-      integer("/bufferViews/*/byteOffset", 0, kLarge),
-      integer("/bufferViews/*/byteLength", 1, kLarge, true),
-      integer("/bufferViews/*/byteStride", 4, 252),
-      array("/accessors"),
-      object("/accessors/*"),
-      index("/accessors/*/bufferView", "/bufferViews"),
-      integer("/accessors/*/byteOffset", 0, kLarge),
-      integer("/accessors/*/componentType", 5120, 5126, true),
-      integer("/accessors/*/count", 1, kLarge, true),
-      text("/accessors/*/type", true),
-      boolean("/accessors/*/normalized"),
-      array("/accessors/*/min", 1, 16),
-      number("/accessors/*/min/*"),
-      array("/accessors/*/max", 1, 16),
-      number("/accessors/*/max/*"),
-      object("/accessors/*/sparse"),
-      integer("/accessors/*/sparse/count", 1, 2147483647.0, true),
-      object("/accessors/*/sparse/indices", true),
-      index("/accessors/*/sparse/indices/bufferView", "/bufferViews", true),
-      integer("/accessors/*/sparse/indices/byteOffset", 0, 2147483647.0),
-      integer("/accessors/*/sparse/indices/componentType", 5120, 5126, true),
-      object("/accessors/*/sparse/values", true),
-      index("/accessors/*/sparse/values/bufferView", "/bufferViews", true),
-      integer("/accessors/*/sparse/values/byteOffset", 0, 2147483647.0),
-
-      array("/images"),
-      object("/images/*"),
-      text("/images/*/uri"),
-      text("/images/*/mimeType"),
-      index("/images/*/bufferView", "/bufferViews"),
-      array("/samplers"),
-      object("/samplers/*"),
-      integer("/samplers/*/magFilter", 0, 65535),
-      integer("/samplers/*/minFilter", 0, 65535),
-      integer("/samplers/*/wrapS", 0, 65535),
-      integer("/samplers/*/wrapT", 0, 65535),
-      array("/textures"),
-      object("/textures/*"),
-      index("/textures/*/source", "/images"),
-      index("/textures/*/sampler", "/samplers"),
-
-      array("/materials"),
-      object("/materials/*"),
-      object("/materials/*/pbrMetallicRoughness"),
-      array("/materials/*/pbrMetallicRoughness/baseColorFactor", 4, 4),
-      number("/materials/*/pbrMetallicRoughness/baseColorFactor/*"),
-      number("/materials/*/pbrMetallicRoughness/metallicFactor"),
-      number("/materials/*/pbrMetallicRoughness/roughnessFactor"),
-      object("/materials/*/pbrMetallicRoughness/baseColorTexture"),
-      index("/materials/*/pbrMetallicRoughness/baseColorTexture/index", "/textures", true),
-      object("/materials/*/pbrMetallicRoughness/metallicRoughnessTexture"),
-      index("/materials/*/pbrMetallicRoughness/metallicRoughnessTexture/index", "/textures", true),
-      object("/materials/*/normalTexture"),
-      index("/materials/*/normalTexture/index", "/textures", true),
-      number("/materials/*/normalTexture/scale"),
-      object("/materials/*/occlusionTexture"),
-      index("/materials/*/occlusionTexture/index", "/textures", true),
-      object("/materials/*/emissiveTexture"),
-      index("/materials/*/emissiveTexture/index", "/textures", true),
-      array("/materials/*/emissiveFactor", 3, 3),
-      number("/materials/*/emissiveFactor/*"),
-      text("/materials/*/alphaMode"),
-      number("/materials/*/alphaCutoff"),
-      boolean("/materials/*/doubleSided"),
-      object("/materials/*/extensions"),
-      object("/materials/*/extensions/*"),
-
-      array("/meshes"),
-      object("/meshes/*"),
-      array("/meshes/*/primitives", 1, kMany, true),
-      object("/meshes/*/primitives/*"),
-      object("/meshes/*/primitives/*/attributes", true),
-      index("/meshes/*/primitives/*/attributes/*", "/accessors"),
-      index("/meshes/*/primitives/*/indices", "/accessors"),
-      index("/meshes/*/primitives/*/material", "/materials"),
-      integer("/meshes/*/primitives/*/mode", 0, 6),
-      array("/meshes/*/primitives/*/targets"),
-      object("/meshes/*/primitives/*/targets/*"),
-      index("/meshes/*/primitives/*/targets/*/*", "/accessors"),
-      array("/meshes/*/weights"),
-      number("/meshes/*/weights/*"),
-      object("/meshes/*/extensions"),
-      object("/meshes/*/extensions/*"),
-
-      array("/cameras"),
-      object("/cameras/*"),
-      text("/cameras/*/type", true),
-      object("/cameras/*/perspective"),
-      number("/cameras/*/perspective/yfov"),
-      number("/cameras/*/perspective/aspectRatio"),
-      number("/cameras/*/perspective/znear"),
-      number("/cameras/*/perspective/zfar"),
-      object("/cameras/*/orthographic"),
-      number("/cameras/*/orthographic/xmag"),
-      number("/cameras/*/orthographic/ymag"),
-      number("/cameras/*/orthographic/znear"),
-      number("/cameras/*/orthographic/zfar"),
-
-      array("/skins"),
-      array("/nodes"),
-      object("/nodes/*"),
-      array("/nodes/*/children"),
-      index("/nodes/*/children/*", "/nodes"),
-      index("/nodes/*/mesh", "/meshes"),
-      index("/nodes/*/camera", "/cameras"),
-      index("/nodes/*/skin", "/skins"),
-      array("/nodes/*/matrix", 16, 16),
-      number("/nodes/*/matrix/*"),
-      array("/nodes/*/translation", 3, 3),
-      number("/nodes/*/translation/*"),
-      array("/nodes/*/rotation", 4, 4),
-      number("/nodes/*/rotation/*"),
-      array("/nodes/*/scale", 3, 3),
-      number("/nodes/*/scale/*"),
-      array("/nodes/*/weights"),
-      number("/nodes/*/weights/*"),
-      object("/nodes/*/extensions"),
-      object("/nodes/*/extensions/KHR_lights_punctual"),
-      index("/nodes/*/extensions/KHR_lights_punctual/light",
-            "/extensions/KHR_lights_punctual/lights", true),
-
-      array("/scenes"),
-      object("/scenes/*"),
-      array("/scenes/*/nodes"),
-      index("/scenes/*/nodes/*", "/nodes"),
-      object("/scenes/*/extensions"),
-      object("/scenes/*/extensions/*"),
-      index("/scene", "/scenes"),
-  };
-  return kRules;
-}
 
 // Elements whose optional name is used in messages.
 constexpr std::array kNamed = {"scenes", "nodes",    "meshes",   "materials", "cameras",
@@ -273,7 +73,7 @@ class Checker {
     // 3.0 is an integer to JSON Schema, though not to tinygltf.
     if ((rule.type == Is::Integer || rule.type == Is::Index) && value.is_number_float()) {
       const auto number = value.get<double>();
-      if (std::trunc(number) == number && std::abs(number) <= kLarge) {
+      if (std::trunc(number) == number && std::abs(number) <= kLargestInteger) {
         value = static_cast<std::int64_t>(number);
       }
     }
@@ -307,7 +107,7 @@ class Checker {
     const auto range = [&rule]() -> std::string {
       if (rule.low == rule.high) return fmt::format(" {}", rule.low);
       if (std::isinf(rule.low) && std::isinf(rule.high)) return "";
-      if (rule.high >= kMany) return fmt::format(" of at least {}", rule.low);
+      if (rule.high >= kMostElements) return fmt::format(" of at least {}", rule.low);
       return fmt::format(" from {} to {}", rule.low, rule.high);
     };
     switch (rule.type) {
@@ -393,10 +193,10 @@ void check_structure(Document& document) {
                       "an object with \"asset\"");
   }
   Checker checker(document);
-  for (const Rule& rule : rules()) checker.check(rule);
+  for (const Rule& rule : structure_rules()) checker.check(rule);
   for (const char* collection : kNamed) {
     const std::string path = fmt::format("/{}/*/name", collection);
-    checker.check(text(path.c_str()));
+    checker.check({path.c_str(), Is::Text});
   }
   const auto version = json["asset"]["version"].get<std::string>();
   const auto min_version = json["asset"].value("minVersion", Json("2.0"));

@@ -83,10 +83,11 @@ std::vector<std::uint8_t> base64_decoded(std::string_view text, const std::strin
   if (text.size() % 4 == 1 || (padding > 0 && (text.size() + padding) % 4 != 0)) {
     throw_input_error(where, "base64 data of a wrong length", "a multiple of 4 characters");
   }
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(text.size() / 4 * 3 + 3);
+  // Six bits a character, most significant first; what is left of a last group is dropped.
+  std::vector<std::uint8_t> bytes(text.size() * 3 / 4);
   std::uint32_t bits = 0;
-  int count = 0;
+  int bit_count = 0;
+  std::size_t written = 0;
   for (const char c : text) {
     const int value = kValues[static_cast<unsigned char>(c)];
     if (value < 0) {
@@ -94,19 +95,11 @@ std::vector<std::uint8_t> base64_decoded(std::string_view text, const std::strin
                         "A-Z, a-z, 0-9, + and /");
     }
     bits = bits << 6 | static_cast<std::uint32_t>(value);
-    if (++count == 4) {
-      bytes.insert(bytes.end(),
-                   {static_cast<std::uint8_t>(bits >> 16), static_cast<std::uint8_t>(bits >> 8),
-                    static_cast<std::uint8_t>(bits)});
-      bits = 0;
-      count = 0;
+    bit_count += 6;
+    if (bit_count >= 8) {
+      bit_count -= 8;
+      bytes[written++] = static_cast<std::uint8_t>(bits >> bit_count);
     }
-  }
-  if (count == 3) {
-    bytes.push_back(static_cast<std::uint8_t>(bits >> 10));
-    bytes.push_back(static_cast<std::uint8_t>(bits >> 2));
-  } else if (count == 2) {
-    bytes.push_back(static_cast<std::uint8_t>(bits >> 4));
   }
   return bytes;
 }

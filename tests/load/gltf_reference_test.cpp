@@ -121,8 +121,8 @@ TEST_P(HostileFile, load_meets_the_manifest) {
   // Whatever loads is fit to be rendered, with a default camera and lights if need be.
   if (outcome.scene) {
     Scene scene = *outcome.scene;
-    add_default_lights(scene);
     add_default_camera(scene);
+    add_default_lights(scene);
     EXPECT_NO_THROW(validate(scene, file.name));
     const Box3f box = bounds_of(scene);
     if (!box.is_empty()) {

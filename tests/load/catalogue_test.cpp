@@ -114,6 +114,27 @@ TEST(Catalogue, well_known_media_have_their_published_numbers) {
   }
 }
 
+TEST(Catalogue, water_makes_rainbows_at_the_computed_angles) {
+  const Dispersion water = *catalogue().entry("water-daimon-20c", "test").dispersion;
+  constexpr double kDegree = kPi / 180.0;
+  // Descartes: k inner reflections turn light least where cos² i = (n² − 1)/(k² + 2k).
+  const auto bow_degrees = [&](int reflections, double wavelength_nm) {
+    const double n = refractive_index(water, wavelength_nm);
+    const double k = reflections;
+    const double incidence = std::acos(std::sqrt((n * n - 1.0) / (k * k + 2.0 * k)));
+    const double inside = std::asin(std::sin(incidence) / n);
+    const double turned = 2.0 * incidence - 2.0 * (k + 1.0) * inside;
+    return reflections == 1 ? -turned / kDegree : 180.0 + turned / kDegree;
+  };
+  // Last printed digits.
+  EXPECT_NEAR(bow_degrees(1, kLineF_nm), 41.429, 6e-4);
+  EXPECT_NEAR(bow_degrees(1, kLine_d_nm), 42.019, 6e-4);
+  EXPECT_NEAR(bow_degrees(1, kLineC_nm), 42.295, 6e-4);
+  EXPECT_NEAR(bow_degrees(2, kLineF_nm), 52.061, 6e-4);
+  EXPECT_NEAR(bow_degrees(2, kLine_d_nm), 50.996, 6e-4);
+  EXPECT_NEAR(bow_degrees(2, kLineC_nm), 50.500, 6e-4);
+}
+
 TEST(Catalogue, metals_have_the_published_values_at_a_row_of_their_tables) {
   // Johnson & Christy 1972 at 2.26 eV, 548.6 nm.
   const CatalogueEntry gold = catalogue().entry("metal/Au-Johnson", "test");

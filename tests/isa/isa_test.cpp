@@ -1,11 +1,14 @@
 /// One binary, every processor: the program at each level of this machine, and on one without AVX.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <set>
 #include <string>
@@ -19,13 +22,33 @@ namespace fs = std::filesystem;
 
 constexpr int kUsage = 2;
 
+/// A folder of this process, removed when it ends.
+class Scratch {
+ public:
+  Scratch() : folder_(fs::path(testing::TempDir()) / ("abbe_isa_" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  fs::path operator/(const std::string& name) const { return folder_ / name; }
+
+ private:
+  fs::path folder_;
+};
+
 fs::path scratch(const std::string& name) {
-  const fs::path folder = fs::path(testing::TempDir()) / "abbe_isa_test";
-  fs::create_directories(folder);
-  return folder / name;
+  static const Scratch kScratch;
+  return kScratch / name;
 }
 
-/// Exit code of a shell command whose output goes to a log, shown if it fails.
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// Exit code of a shell command whose output goes to a log.
 int run(const std::string& command, const fs::path& log) {
   const int status = std::system((command + " > '" + log.string() + "' 2>&1").c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
@@ -41,9 +64,8 @@ std::string render_command(const fs::path& output) {
 Image render(const std::string& prefix, const std::string& name) {
   const fs::path picture = scratch(name + ".exr");
   const fs::path log = scratch(name + ".log");
-  fs::remove(picture);
   const int code = run(prefix + " " + render_command(picture), log);
-  EXPECT_EQ(code, 0) << prefix << ": see " << log;
+  EXPECT_EQ(code, 0) << prefix << ": " << text_of(log);
   return code == 0 ? read_exr(picture) : Image{};
 }
 
@@ -110,9 +132,12 @@ TEST(Isa, program_runs_on_a_processor_without_avx) {
   if (std::system("qemu-x86_64 --version > /dev/null 2>&1") != 0)
     GTEST_SKIP() << "qemu-x86_64 is not installed; the lowest level is not run on its processor";
   // Westmere is the first processor with all that Highway's SSE4 needs. An AVX instruction outside
-  // dispatched code is an illegal one there.
-  expect_same_picture(render("ABBE_ISA=sse4", "native"),
-                      render("qemu-x86_64 -cpu Westmere", "westmere"));
+  // dispatched code is an illegal one there. One level is one picture, on any processor.
+  const Image native = render("ABBE_ISA=sse4", "native");
+  const Image westmere = render("qemu-x86_64 -cpu Westmere", "westmere");
+  ASSERT_FALSE(native.pixels.empty());
+  EXPECT_EQ(native.channels, westmere.channels);
+  EXPECT_TRUE(native.pixels == westmere.pixels) << "the lowest level differs between processors";
 }
 
 TEST(Isa, code_above_the_baseline_lies_only_in_functions_compiled_for_a_level) {

@@ -11,5 +11,8 @@ namespace abbe {
 /// Every function adds one subcommand; when it has run, `code` is its exit code.
 void add_render_command(CLI::App& program, ExitCode& code);
 void add_display_command(CLI::App& program, ExitCode& code);
+void add_inspect_command(CLI::App& program, ExitCode& code);
+void add_probe_command(CLI::App& program, ExitCode& code);
+void add_spectra_command(CLI::App& program, ExitCode& code);
 
 }  // namespace abbe

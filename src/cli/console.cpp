@@ -7,22 +7,16 @@
 #include <map>
 #include <vector>
 
+#include "cli/print.h"
+
 namespace abbe {
 namespace {
 
 /// Notes shown before the rest is only counted.
 constexpr std::size_t kMostNotes = 20;
 
-std::string one_line(std::string text) {
-  // Names out of a file may hold anything, terminal control sequences included.
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  }
-  return text;
-}
-
 void print_line(const std::string& text) {
-  const std::string line = one_line(text) + "\n";
+  const std::string line = printable(text) + "\n";
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 

@@ -20,9 +20,9 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       "spectral, rgb (one index of refraction) or rgb3 (one per channel) (default: spectral)");
   add_shown(command, "--size", options.size, "WxH",
             "pixels (default: 540 rows in the camera's shape, 960x540 without one)");
-  add_shown(command, "--wavelengths", settings.wavelengths.count, "N",
-            fmt::format("wavelengths per camera sample, 1 to 64 (default: {})",
-                        settings.wavelengths.count));
+  add_number(command, "--wavelengths", settings.wavelengths.count, "N",
+             fmt::format("wavelengths per camera sample, 1 to 64 (default: {})",
+                         settings.wavelengths.count));
   add_shown(command, "--range", options.range, "A:B",
             "render only this part of the spectrum, in nm (default: 360:830)");
   add_shown(command, "--lines", options.lines, "A,B,C",
@@ -30,14 +30,14 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   add_shown(command, "--filter", settings.filter, "NAME",
             fmt::format("reconstruction filter: {} (default: {})", fmt::join(filter_names(), ", "),
                         settings.filter));
-  add_shown(command, "--depth", settings.max_depth, "N",
-            fmt::format("most surfaces a path may leave (default: {})", settings.max_depth));
+  add_number(command, "--depth", settings.max_depth, "N",
+             fmt::format("most surfaces a path may leave (default: {})", settings.max_depth));
   add_shown(
       command, "--cutoff", settings.cutoff, "X",
       fmt::format("weight below which a fan no longer branches (default: {:g})", settings.cutoff));
   command.add_flag("--drop", settings.drop,
                    "end fans below the cutoff instead of following one child; loses energy");
-  add_shown(command, "--seed", settings.seed, "N", "of the sampling pattern (default: 0)");
+  add_number(command, "--seed", settings.seed, "N", "of the sampling pattern (default: 0)");
 }
 
 void resolve_settings(SceneOptions& options) {
@@ -50,7 +50,6 @@ void resolve_settings(SceneOptions& options) {
     settings.wavelengths.range_max_nm = high;
   }
   if (!options.lines.empty()) settings.wavelengths.exact_nm = parse_lines(options.lines);
-  settings.wavelengths.seed = settings.seed;
   settings.threads = options.threads;
   RenderSettings without_crop = settings;
   // Whether a crop fits shows when the size is known.

@@ -4,7 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <type_traits>
 
+#include "cli/parse.h"
 #include "display/display.h"
 #include "render/settings.h"
 
@@ -39,11 +41,29 @@ void add_display_options(CLI::App& command, DisplayArguments& arguments);
 /// Turns texts into options. Errors: a usage Error.
 void resolve_display(DisplayArguments& arguments);
 
-/// Adds an option whose help shows `placeholder` and, where it has one, the default.
+/// Adds an option whose help shows `placeholder`.
 template <typename T>
 CLI::Option* add_shown(CLI::App& command, const std::string& name, T& value,
                        const std::string& placeholder, const std::string& description) {
   return command.add_option(name, value, description)->option_text(placeholder);
+}
+
+/// The same for a number or an optional one; what is none becomes a usage Error like all others.
+template <typename T>
+CLI::Option* add_number(CLI::App& command, const std::string& name, T& value,
+                        const std::string& placeholder, const std::string& description) {
+  return command
+      .add_option_function<std::string>(
+          name,
+          [&value, name](const std::string& text) {
+            if constexpr (std::is_arithmetic_v<T>) {
+              value = parse_number<T>(name, text);
+            } else {
+              value = parse_number<typename T::value_type>(name, text);
+            }
+          },
+          description)
+      ->option_text(placeholder);
 }
 
 }  // namespace abbe

@@ -56,6 +56,27 @@ std::optional<int> whole_number_of(const std::string& text) {
   return all_of<int>(text);
 }
 
+template <>
+double parse_number<double>(const std::string& option, const std::string& text) {
+  const auto number = number_of(text);
+  if (!number) throw_usage_error(option, quoted(text), "a number");
+  return *number;
+}
+
+template <>
+int parse_number<int>(const std::string& option, const std::string& text) {
+  const auto number = whole_number_of(text);
+  if (!number) throw_usage_error(option, quoted(text), "a whole number");
+  return *number;
+}
+
+template <>
+std::uint32_t parse_number<std::uint32_t>(const std::string& option, const std::string& text) {
+  const auto number = all_of<std::uint32_t>(text);
+  if (!number) throw_usage_error(option, quoted(text), "a whole number from 0 to 4294967295");
+  return *number;
+}
+
 Vec2i parse_size(const std::string& text) {
   const auto numbers = whole_numbers(text, 'x', 2);
   if (!numbers) throw_usage_error("--size", quoted(text), "WxH in pixels, as in 960x540");

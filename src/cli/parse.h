@@ -1,6 +1,7 @@
 /// Option values as they are typed.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,11 +12,16 @@
 
 namespace abbe {
 
-/// One number, all of the text; independent of the locale.
+/// One number, all of the text; finite, independent of the locale.
 std::optional<double> number_of(const std::string& text);
 std::optional<int> whole_number_of(const std::string& text);
 
-/// `960x540`. Errors of all these: a usage Error that names the option.
+/// A number for an option: double, int or std::uint32_t. Errors of this and all that follow: a
+/// usage Error that names the option.
+template <typename T>
+T parse_number(const std::string& option, const std::string& text);
+
+/// `960x540`.
 Vec2i parse_size(const std::string& text);
 /// `X0,Y0,X1,Y1`, half-open.
 PixelRect parse_crop(const std::string& text);

@@ -11,10 +11,25 @@
 namespace abbe {
 namespace {
 
-// In what the lamps of a scene are given: ids of the catalogue, or "scene" for its own spectra.
-std::string lamps_text(const World& world) {
+// The spectra of everything that shines: ids of the catalogue, "scene" for the scene's own. Colours
+// of lights and emission stand for D65.
+std::string illuminant_text(const Scene& scene) {
   std::set<std::string> names;
-  for (const std::string& id : world.lamp_ids) names.insert(id.empty() ? "scene" : id);
+  const auto add = [&names](const NamedSpectrum& spectrum) {
+    names.insert(spectrum.id.empty() ? "scene" : spectrum.id);
+  };
+  constexpr const char* kOfColours = "illuminant/D65";
+  for (const Light& light : scene.lights) {
+    light.spectrum ? add(*light.spectrum) : void(names.insert(kOfColours));
+  }
+  for (const Material& material : scene.materials) {
+    if (material.emission) {
+      add(material.emission->spectrum);
+    } else if (material.emissive_rec709 != Vec3f(0.0f) || material.unlit) {
+      names.insert(kOfColours);
+    }
+  }
+  if (scene.ambient && scene.ambient->luminance_cd_per_m2 > 0.0) add(scene.ambient->spectrum);
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -48,7 +63,7 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared, const
 
   out["abbe:observer"] =
       fmt::format("{}, integral of y-bar {:.6f} nm", observer.id, integral(observer.y_bar));
-  out["abbe:illuminant"] = lamps_text(world);
+  out["abbe:illuminant"] = illuminant_text(prepared.scene);
   out["abbe:uplift"] = settings.mode == Mode::Spectral ? std::string("Jakob-Hanika 2019, Rec.709")
                                                        : std::string("none");
   out["abbe:primaries"] = color_space;

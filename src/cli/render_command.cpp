@@ -172,16 +172,16 @@ void add_render_command(CLI::App& program, ExitCode& code) {
             "image to write, .exr scene-linear or .png, .jpg, .tif through OCIO; repeatable")
       ->allow_extra_args(false)
       ->required();
-  add_shown(command, "--spp", settings.samples_per_pixel, "N",
-            fmt::format("camera samples per pixel (default: {})", settings.samples_per_pixel));
+  add_number(command, "--spp", settings.samples_per_pixel, "N",
+             fmt::format("camera samples per pixel (default: {})", settings.samples_per_pixel));
   add_shown(command, "--bands", arguments->bands, "A:B:STEP",
             "spectral channels beside RGB: bands [A + i STEP, A + (i+1) STEP), in nm");
   add_shown(command, "--crop", arguments->crop, "X0,Y0,X1,Y1",
             "render only these pixels, half-open");
   add_shown(command, "--aov", arguments->aovs, "LIST",
             "extra channels: Z, P, N, albedo, UV, objectId, materialId");
-  add_shown(command, "--threads", arguments->scene.threads, "N",
-            "threads to use (default: all cores)");
+  add_number(command, "--threads", arguments->scene.threads, "N",
+             "threads to use (default: all cores)");
   add_shown(command, "--colorspace", arguments->color_space, "NAME",
             fmt::format("OCIO colour space of the EXR's RGB (default: {})", kRenderSpace));
   command.add_flag("--half", arguments->half, "half instead of float for colours in the EXR");

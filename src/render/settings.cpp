@@ -15,8 +15,8 @@ namespace {
 void check_range(const char* option, double value, double low, double high) {
   // Written so that not-a-number fails.
   if (!(value >= low && value <= high)) {
-    throw_usage_error(option, fmt::format("{:g}", value),
-                      fmt::format("a number from {:g} to {:g}", low, high));
+    throw_usage_error(option, fmt::format("{:.10g}", value),
+                      fmt::format("a number from {:.10g} to {:.10g}", low, high));
   }
 }
 

@@ -241,7 +241,8 @@ std::vector<double> checked_wavelengths_nm(const Parser& parser, const Catalogue
   if (parser.columns().empty() || parser.columns().front() != unit ||
       std::find(allowed.begin(), allowed.end(), columns) == allowed.end()) {
     std::vector<std::string> choices;
-    for (const std::string& choice : allowed) choices.push_back(unit + " " + choice);
+    choices.reserve(allowed.size());
+    for (const std::string& choice : allowed) choices.push_back(fmt::format("{} {}", unit, choice));
     parser.fail(parser.columns_line(), "these columns", "those of a file of " + entry.quantity,
                 choices);
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "base/constants.h"
@@ -83,6 +84,7 @@ std::vector<double> line_wavelengths(std::span<const Spectrum> lamps, const Obse
   });
   if (merged.size() > capacity) merged.resize(capacity);
   std::vector<double> result;
+  result.reserve(merged.size());
   for (const SpectralLine& line : merged) result.push_back(line.wavelength_nm);
   std::sort(result.begin(), result.end());
   return result;
@@ -119,8 +121,7 @@ std::size_t nearest(const std::vector<double>& sorted, double value) {
 WavelengthQuadrature::WavelengthQuadrature(const WavelengthOptions& options,
                                            const Observer& observer,
                                            std::span<const Spectrum> lamps)
-    : seed_(options.seed),
-      range_min_nm_(options.range_min_nm),
+    : range_min_nm_(options.range_min_nm),
       range_max_nm_(options.range_max_nm) {
   check(options);
 
@@ -172,11 +173,16 @@ WavelengthQuadrature::WavelengthQuadrature(const WavelengthOptions& options,
   }
 }
 
-int WavelengthQuadrature::set_of(std::uint32_t sample, std::uint32_t pixel_hash) const {
+int WavelengthQuadrature::set_of(std::uint32_t sample, std::uint32_t scramble) const {
   if (set_count_ == 1) return 0;
   static_assert(kShiftCount == 256);
-  const std::uint32_t scramble = hash32(pixel_hash, seed_) >> 24;
-  return static_cast<int>((reverse_bits(sample) >> 24) ^ scramble);
+  return static_cast<int>((reverse_bits(sample) >> 24) ^ (scramble & 0xffu));
+}
+
+std::uint32_t WavelengthQuadrature::centred_scramble(int samples) {
+  // 2^k shifts in base-2 order are the multiples of 256/2^k; half that step moves them to the middle.
+  const int bits = std::bit_width(static_cast<std::uint32_t>(std::max(samples, 1) - 1));
+  return 0x80u >> bits;
 }
 
 std::span<const float> WavelengthQuadrature::wavelengths_nm(int set) const {

@@ -36,7 +36,15 @@ class Checker {
     std::string pointer;
     for (const Step& step : steps_) {
       pointer += '/';
-      pointer += step.name.empty() ? std::to_string(step.index) : std::string(step.name);
+      if (step.name.empty()) pointer += std::to_string(step.index);
+      for (const char c : step.name) {
+        // RFC 6901, 3.
+        if (c == '~' || c == '/') {
+          pointer += c == '~' ? "~0" : "~1";
+        } else {
+          pointer += c;
+        }
+      }
     }
     return document_.where(pointer);
   }

@@ -221,5 +221,90 @@ TEST_F(GltfDocument, damaged_files_never_do_more_than_throw) {
   }
 }
 
+TEST_F(GltfDocument, values_of_any_kind_in_any_place_never_do_more_than_throw) {
+  // A document with something of everything, whose values are exchanged, removed and replaced.
+  primitive()["indices"] = add_accessor(std::vector<std::uint16_t>{0, 1, 2}, "SCALAR");
+  abbe_material() = {{"dispersion", {{"sellmeier", {{"B", {1.0}}, {"C", {0.01}}}}}},
+                     {"absorption", {{400, 1}, {700, 2}}},
+                     {"emission", {{"spectrum", {{"blackbody", 3000}}}, {"luminance", 5}}}};
+  material()["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 1},
+                                                      {"attenuationColor", {1, 0.5, 0.1}}};
+  document["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "spot"},
+       {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.5}}},
+       {"extensions", {{"ABBE_light", {{"spectrum", {{"lines", {{500, 1}, {600, 2}}}}}}}}}}};
+  document["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1}}}}};
+  document["meshes"].push_back({{"primitives", document["meshes"][0]["primitives"]},
+                                {"extensions", {{"ABBE_shape", {{"sphere", {{"radius", 1}}}}}}}});
+  document["nodes"] = {{{"mesh", 0}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}},
+                       {{"mesh", 1}, {"rotation", {0, 0, 0, 1}}, {"children", {2}}},
+                       {{"camera", 0},
+                        {"scale", {1, 2, 3}},
+                        {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}}};
+  document["scenes"] = {
+      {{"nodes", {0, 1}}, {"extensions", {{"ABBE_scene", {{"ambient", {{"luminance", 2}}}}}}}}};
+  ASSERT_EQ(error(), "");
+  const std::vector<Json> values = {0,
+                                    1,
+                                    2,
+                                    -1,
+                                    255,
+                                    5121,
+                                    5123,
+                                    5126,
+                                    65536,
+                                    0.5,
+                                    1e30,
+                                    4294967295u,
+                                    1e-300,
+                                    1e308,
+                                    "VEC3",
+                                    "",
+                                    "..",
+                                    "illuminant/A",
+                                    true,
+                                    {1, 2},
+                                    {{1, 2}, {3, 4}},
+                                    nullptr,
+                                    Json::array(),
+                                    Json::object(),
+                                    9007199254740992};
+  std::vector<Json::json_pointer> places;
+  const Json flat = document.flatten();
+  for (const auto& [pointer, value] : flat.items()) {
+    for (Json::json_pointer place(pointer); !place.empty(); place = place.parent_pointer()) {
+      places.push_back(place);
+    }
+  }
+  const Catalogue catalogue = Catalogue::standard();
+  const Json good = document;
+  std::mt19937 random(2);  // The same changes every time.
+  std::size_t loaded = 0;
+  for (int round = 0; round < 3000; ++round) {
+    Json changed = good;
+    for (int change = 0; change <= round % 3; ++change) {
+      const Json::json_pointer& place = places[random() % places.size()];
+      const Json::json_pointer& other = places[random() % places.size()];
+      if (!changed.contains(place)) continue;
+      if (random() % 6 == 0 && changed.contains(other)) {
+        changed[place] = Json(changed[other]);
+      } else if (random() % 6 == 0 && changed[place.parent_pointer()].is_object()) {
+        changed[place.parent_pointer()].erase(place.back());
+      } else {
+        changed[place] = values[random() % values.size()];
+      }
+    }
+    write("changed.gltf", changed.dump());
+    Notes ignored;
+    try {
+      load_gltf(folder / "changed.gltf", catalogue, {}, ignored);
+      ++loaded;
+    } catch (const Error& caught) {
+      EXPECT_THAT(caught.what(), HasSubstr("changed.gltf"));
+    }
+  }
+  EXPECT_GT(loaded, 100u);  // Some changes are harmless: the rest of the loader is reached.
+}
+
 }  // namespace
 }  // namespace abbe

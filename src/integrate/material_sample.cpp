@@ -72,16 +72,15 @@ MaterialSample material_sample(const World& world, const SurfaceMaterial& materi
     sample.transmission *= texel(world, *material.transmission_texture, point, footprint_m).x;
   }
   if (material.emission_is_textured || (material.unlit && modulated)) {
-    Vec3f emitted_rec709 = material.emissive_rec709;
-    if (material.unlit) {
-      emitted_rec709 *= Vec3f(modulation);
-    } else {
-      emitted_rec709 *= Vec3f(texel(world, *material.emissive_texture, point, footprint_m));
-    }
-    sample.emission.uses_row = false;
+    const Vec3f factor = material.unlit
+                             ? Vec3f(modulation)
+                             : Vec3f(texel(world, *material.emissive_texture, point, footprint_m));
+    const Vec3f emitted_rec709 =
+        material.emission_is_spectrum ? factor : material.emissive_rec709 * factor;
+    sample.emission.uses_row = material.emission_is_spectrum;
     sample.emission.uses_lookup = true;
-    if (world.lanes.quadrature() == nullptr) {
-      sample.emission.lookup = emitted_rec709;
+    if (world.lanes.quadrature() == nullptr || material.emission_is_spectrum) {
+      sample.emission.lookup = lookup_of(world, emitted_rec709);
     } else {
       // The scale rule for unbounded colours: see uplift_emission_rec709.
       const float scale =

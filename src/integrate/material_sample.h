@@ -17,8 +17,8 @@ struct ColorSample {
 
 struct MaterialSample {
   ColorSample base_color;
-  ColorSample emission;         ///< Its row is SurfaceMaterial::emission, or D65 if looked up.
-  float emission_scale = 1.0f;  ///< Of a looked-up emission, cd/m².
+  ColorSample emission;         ///< Its row is SurfaceMaterial::emission.
+  float emission_scale = 1.0f;  ///< Of an emission that is looked up alone, in cd/m² of D65.
   float metallic = 0.0f, roughness = 1.0f, transmission = 0.0f;
   float alpha = 1.0f;  ///< Coverage, after the alpha mode.
 };

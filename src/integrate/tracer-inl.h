@@ -394,10 +394,8 @@ class Tracer {
       if (!material.emission) {
         splat(at.emission, 0.0f);
       } else {
-        fill_color(here.emission,
-                   here.emission.uses_row ? emission_row : world_.row(world_.d65, set), set,
-                   at.emission);
-        if (here.emission.uses_lookup && world_.lanes.quadrature() != nullptr) {
+        fill_color(here.emission, emission_row, set, at.emission);
+        if (!here.emission.uses_row && world_.lanes.quadrature() != nullptr) {
           const float* d65 = world_.row(world_.d65, set);
           for (int i = 0; i < stride_; i += step) {
             hn::Store(hn::Mul(hn::Load(d, at.emission.v + i),
@@ -421,7 +419,7 @@ class Tracer {
       at.emission[lane] = 0.0f;
       if (!material.emission) continue;
       at.emission[lane] = lane_color(here.emission, emission_row, set, lane);
-      if (here.emission.uses_lookup && world_.lanes.quadrature() != nullptr) {
+      if (!here.emission.uses_row && world_.lanes.quadrature() != nullptr) {
         at.emission[lane] *= here.emission_scale * d65[lane];
       }
     }

@@ -37,16 +37,20 @@ class SampleSource {
 
   const Filter& filter() const { return filter_; }
 
-  int set_of(const Vec2i& pixel, std::uint32_t index) const {
+  // Every pixel takes the same wavelengths, in the middle of their strata: a quadrature rule has no
+  // noise, and neighbours that see the same light get the same colour.
+  int set_of(std::uint32_t index) const {
     const WavelengthQuadrature* quadrature = world_.lanes.quadrature();
-    return quadrature != nullptr ? quadrature->set_of(index, pixel_hash(pixel, settings_.seed)) : 0;
+    if (quadrature == nullptr) return 0;
+    return quadrature->set_of(
+        index, WavelengthQuadrature::centred_scramble(settings_.samples_per_pixel));
   }
 
   CameraSample sample(const Vec2i& pixel, std::uint32_t index,
                       const std::optional<Vec2f>& offset_px, float* weight) const {
     const std::uint32_t hash = pixel_hash(pixel, settings_.seed);
     CameraSample sample;
-    sample.set = set_of(pixel, index);
+    sample.set = set_of(index);
     sample.seed = hash32(hash, index ^ 0x9d2c5680u);
     // Dimension 0 of the sequence chooses the wavelengths; the film takes the next two, so that
     // place and wavelength are not tied together.
@@ -249,7 +253,7 @@ class Renderer {
     if (i == 0 || worker.pixels[i] != worker.pixels[i - 1]) {
       worker.sets.clear();
       for (int s = 0; s < settings_.samples_per_pixel; ++s) {
-        worker.sets.push_back(source_.set_of(worker.pixels[i], static_cast<std::uint32_t>(s)));
+        worker.sets.push_back(source_.set_of(static_cast<std::uint32_t>(s)));
       }
       worker.band_weights->set_pixel(worker.sets);
     }

@@ -25,7 +25,6 @@ struct WavelengthOptions {
   double range_min_nm = 360.0;  ///< Part of the range that is rendered.
   double range_max_nm = 830.0;
   std::vector<double> exact_nm = {};  ///< --lines: exactly these, nothing else.
-  std::uint32_t seed = 0;
 };
 
 /// A family of wavelength sets that differ by their shift.
@@ -50,9 +49,13 @@ class WavelengthQuadrature {
   /// Number of different sets: kShiftCount, or 1 when every lane is exact or a line.
   int set_count() const { return set_count_; }
 
-  /// The set that sample `sample` of a pixel uses; `pixel_hash` picks an XOR scramble, under
-  /// which the sets of a pixel stay evenly spread.
-  int set_of(std::uint32_t sample, std::uint32_t pixel_hash) const;
+  /// The set of sample `sample`: the base-2 sequence of shifts, scrambled by exclusive or with the low
+  /// 8 bits of `scramble`. Under every scramble the first 2^k samples are evenly spread.
+  int set_of(std::uint32_t sample, std::uint32_t scramble) const;
+
+  /// The scramble that puts `samples` shifts in the middle of their parts of a stratum: the midpoint
+  /// rule, for light that begins or ends within a stratum.
+  static std::uint32_t centred_scramble(int samples);
 
   /// Shape: lane_stride values per set. Padding repeats the last wavelength.
   std::span<const float> wavelengths_nm(int set) const;
@@ -86,7 +89,6 @@ class WavelengthQuadrature {
   int lane_stride_ = 0;
   int set_count_ = 0;
   int continuous_count_ = 0;
-  std::uint32_t seed_ = 0;
   double range_min_nm_ = 0.0, range_max_nm_ = 0.0;
   std::vector<Spectrum> exact_lamps_;  ///< At luminance 1; equal energy without any.
   std::vector<LaneKind> kinds_;

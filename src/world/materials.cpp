@@ -105,6 +105,7 @@ SurfaceMaterial tabulated(const Material& source, World& world, TexturePool& tex
   }
 
   if (source.emission) {
+    material.emission_is_spectrum = true;
     material.emission = append_row(
         world,
         lanes.emission(with_luminance(source.emission->spectrum.spectrum,

@@ -51,6 +51,7 @@ struct SurfaceMaterial {
   std::optional<RowId> emission;
   Vec3f emissive_rec709{0.0f};  ///< For textured emission.
   bool emission_is_textured = false;
+  bool emission_is_spectrum = false;  ///< A lamp's spectrum: textures multiply it.
 
   RowId index = 0;  ///< n per lane.
   bool index_is_infinite = false;

@@ -25,7 +25,7 @@ void RaysAny(const KdView& view, const Ray* rays, std::size_t count, VisibilityM
 // Lanes that left their packets, waiting to be traced as a stream.
 struct Stragglers {
   static constexpr std::size_t kCapacity = 512;
-  std::size_t count = 0;
+  std::size_t count;
   std::size_t packet[kCapacity];
   std::uint8_t lane[kCapacity];
   Ray rays[kCapacity];
@@ -106,51 +106,75 @@ HWY_INLINE void StoreNothing(HitPacket& out) {
   }
 }
 
+struct ClosestSink {
+  const KdView& view;
+  VisibilityMask mask;
+  HitPacket* hits;
+  Stragglers stragglers;
+
+  ClosestSink(const KdView& v, VisibilityMask m, HitPacket* h) : view(v), mask(m), hits(h) {
+    stragglers.count = 0;
+  }
+
+  HWY_INLINE void finish(const RayPacket& packet, const PacketState& p) {
+    StoreAnswers(p.hits, hits[p.index]);
+    if (p.is_complete()) return;
+    stragglers.add(packet, p.index, packet.active & 0xffffu, &p.hits);
+    if (stragglers.is_full()) flush();
+  }
+  HWY_INLINE void refuse(const RayPacket& packet, std::size_t index) {
+    StoreNothing(hits[index]);
+    stragglers.add(packet, index, packet.active & 0xffffu, nullptr);
+    if (stragglers.is_full()) flush();
+  }
+  HWY_NOINLINE void flush() {
+    TraceStream<false>(view, mask, ClosestOfStragglers{stragglers, hits, stragglers.count});
+    stragglers.count = 0;
+  }
+};
+
+struct AnySink {
+  const KdView& view;
+  VisibilityMask mask;
+  std::uint32_t* occluded;
+  Stragglers stragglers;
+
+  AnySink(const KdView& v, VisibilityMask m, std::uint32_t* o) : view(v), mask(m), occluded(o) {
+    stragglers.count = 0;
+  }
+
+  HWY_INLINE void finish(const RayPacket& packet, const PacketState& p) {
+    occluded[p.index] = p.met;
+    if (p.is_complete()) return;
+    stragglers.add(packet, p.index, p.active, nullptr);
+    if (stragglers.is_full()) flush();
+  }
+  HWY_INLINE void refuse(const RayPacket& packet, std::size_t index) {
+    stragglers.add(packet, index, packet.active & 0xffffu, nullptr);
+    if (stragglers.is_full()) flush();
+  }
+  HWY_NOINLINE void flush() {
+    TraceStream<true>(view, mask, AnyOfStragglers{stragglers, occluded, stragglers.count});
+    stragglers.count = 0;
+  }
+};
+
 void PacketsClosest(const KdView& view, const RayPacket* packets, std::size_t count,
                     VisibilityMask mask, HitPacket* hits) {
-  PacketState p;
-  Stragglers stragglers;
   for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t active = packets[i].active & 0xffffu;
-    if (active != 0 && StartPacket(view, packets[i], p)) {
-      const bool is_done = TracePacket<false>(view, mask, p);
-      StoreAnswers(p.hits, hits[i]);
-      if (is_done) continue;
-      stragglers.add(packets[i], i, active, &p.hits);
-    } else {
-      StoreNothing(hits[i]);
-      stragglers.add(packets[i], i, active, nullptr);
-    }
-    if (stragglers.is_full()) {
-      TraceStream<false>(view, mask, ClosestOfStragglers{stragglers, hits, stragglers.count});
-      stragglers.count = 0;
-    }
+    if ((packets[i].active & 0xffffu) == 0) StoreNothing(hits[i]);
   }
-  TraceStream<false>(view, mask, ClosestOfStragglers{stragglers, hits, stragglers.count});
+  ClosestSink sink(view, mask, hits);
+  TracePackets<false>(view, packets, count, mask, sink);
+  if (sink.stragglers.count > 0) sink.flush();
 }
 
 void PacketsAny(const KdView& view, const RayPacket* packets, std::size_t count,
                 VisibilityMask mask, std::uint32_t* occluded) {
-  PacketState p;
-  Stragglers stragglers;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t active = packets[i].active & 0xffffu;
-    occluded[i] = 0;
-    if (active == 0) continue;
-    if (StartPacket(view, packets[i], p)) {
-      const bool is_done = TracePacket<true>(view, mask, p);
-      occluded[i] = p.met;
-      if (is_done) continue;
-      stragglers.add(packets[i], i, p.active, nullptr);
-    } else {
-      stragglers.add(packets[i], i, active, nullptr);
-    }
-    if (stragglers.is_full()) {
-      TraceStream<true>(view, mask, AnyOfStragglers{stragglers, occluded, stragglers.count});
-      stragglers.count = 0;
-    }
-  }
-  TraceStream<true>(view, mask, AnyOfStragglers{stragglers, occluded, stragglers.count});
+  for (std::size_t i = 0; i < count; ++i) occluded[i] = 0;
+  AnySink sink(view, mask, occluded);
+  TracePackets<true>(view, packets, count, mask, sink);
+  if (sink.stragglers.count > 0) sink.flush();
 }
 
 }  // namespace HWY_NAMESPACE

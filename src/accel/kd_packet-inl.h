@@ -263,6 +263,7 @@ HWY_INLINE std::uint32_t NearLine(const TriangleBlock& block, const PacketState&
 }
 
 // One triangle against the lanes of a group; the same operations as for a single ray.
+template <bool kAny>
 HWY_INLINE std::uint32_t TestTriangle(const TriangleBlock& block, std::size_t triangle,
                                       const ShearGroup& group, PacketState& p) {
   const LaneF d;
@@ -292,24 +293,31 @@ HWY_INLINE std::uint32_t TestTriangle(const TriangleBlock& block, std::size_t tr
     const V v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
     const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
     const V zero = hn::Zero(d);
-    const V determinant = hn::Add(hn::Add(u, v), w);
-    const auto is_inside = hn::And(
-        hn::Or(hn::Ge(hn::Min(hn::Min(u, v), w), zero), hn::Le(hn::Max(hn::Max(u, v), w), zero)),
-        hn::Ne(determinant, zero));
-    if (hn::AllFalse(d, is_inside)) continue;
-    const V inverse = hn::Div(hn::Set(d, 1.0f), determinant);
-    const V t = hn::Mul(hn::Mul(hn::Add(hn::Add(hn::Mul(u, az), hn::Mul(v, bz)), hn::Mul(w, cz)),
-                                hn::Load(d, p.shear_z + i)),
-                        inverse);
     const V best = hn::Load(d, p.hits.t + i);
+    const V determinant = hn::Add(hn::Add(u, v), w);
+    const V weighted_z = hn::Add(hn::Add(hn::Mul(u, az), hn::Mul(v, bz)), hn::Mul(w, cz));
+    const V scaled_t = hn::Mul(weighted_z, hn::Load(d, p.shear_z + i));
+    const auto is_inside =
+        hn::Or(hn::Ge(hn::Min(hn::Min(u, v), w), zero), hn::Le(hn::Max(hn::Max(u, v), w), zero));
+    auto is_candidate = hn::And(is_inside, hn::Ne(determinant, zero));
+    if (kAny) {
+      // Most triangles near a shadow ray are the one it ends at: a first look without the division,
+      // a little too generous, saves them. In the search for the closest they are mostly hits.
+      const V forward = hn::CopySign(hn::Abs(scaled_t), hn::Xor(scaled_t, determinant));
+      const V last = hn::Mul(hn::Abs(determinant), hn::Mul(best, hn::Set(d, 1.00001f)));
+      is_candidate = hn::And(is_candidate, hn::And(hn::Ge(forward, zero), hn::Le(forward, last)));
+    }
+    if (hn::AllFalse(d, is_candidate)) continue;
+    const V inverse = hn::Div(hn::Set(d, 1.0f), determinant);
+    const V t = hn::Mul(scaled_t, inverse);
     const auto primitive = hn::Load(du, p.hits.primitive + i);
     const auto ids = hn::Set(du, id);
     // Of two primitives at the same distance the lower number wins; no primitive is the highest.
     const auto is_lower = hn::RebindMask(
         d, hn::And(hn::Lt(ids, primitive), hn::Ne(primitive, hn::Set(du, kNoPrimitive))));
     const auto is_nearer = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), is_lower));
-    const auto is_hit =
-        hn::And(hn::And(is_inside, MaskOf(d, group.lanes, i)), hn::And(hn::Gt(t, zero), is_nearer));
+    const auto is_hit = hn::And(hn::And(is_candidate, MaskOf(d, group.lanes, i)),
+                                hn::And(hn::Gt(t, zero), is_nearer));
     hit_lanes |= BitsOf(d, is_hit, i);
     hn::Store(hn::IfThenElse(is_hit, t, best), d, p.hits.t + i);
     hn::Store(hn::IfThenElse(is_hit, hn::Mul(v, inverse), hn::Load(d, p.hits.u + i)), d,
@@ -347,7 +355,7 @@ HWY_INLINE int TestPacketBlock(const KdView& view, const TriangleBlock& block, V
     const auto triangle = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(near));
     if (view.masks != nullptr && !view.is_visible(block.id[triangle] & kIdMask, mask)) continue;
     for (int g = 0; g < p.group_count; ++g) {
-      found |= TestTriangle(block, triangle, p.groups[g], p);
+      found |= TestTriangle<kAny>(block, triangle, p.groups[g], p);
       ++cost;
     }
   }
@@ -367,43 +375,92 @@ HWY_INLINE void TestPacketSolid(const KdView& view, std::uint32_t primitive, Vis
   p.farthest = LargestLane(p.hits.t);
 }
 
-// False when the budget ran out before all was visited; what was met so far stands in the packet.
+// All of the leaf that the packet is in; what follows is in p.current.
 template <bool kAny>
-HWY_INLINE bool TracePacket(const KdView& view, VisibilityMask mask, PacketState& p) {
-  TraversalStack& stack = p.stack;
-  stack.start(view.root, p.tube);
-  int budget = kPacketBudget;
-  while (true) {
-    int top = stack.top;
-    do {
-      --top;
-    } while (stack.t_near[top] > p.farthest);
-    stack.top = top;
-    const KdChild child = stack.child[top];
-    if ((child & kLeafBit) == 0) {
-      --budget;
-      PushChildren(view.nodes[child], p.tube, stack.t_near[top], stack.t_far[top], p.farthest,
-                   stack);
-      continue;
+HWY_INLINE void TestPacketLeaf(const KdView& view, VisibilityMask mask, PacketState& p) {
+  const std::uint32_t index = p.current & kIndexMask;
+  if (HWY_LIKELY((p.current & kMixedBit) == 0)) {
+    for (const TriangleBlock* block = view.blocks + index;; ++block) {
+      p.budget -= TestPacketBlock<kAny>(view, *block, mask, p);
+      if ((block->id[0] & kMoreBlocksBit) == 0) break;
     }
-    if (child == kDoneChild) return true;
-    if (budget < 0) return false;
-    const std::uint32_t index = child & kIndexMask;
-    if (HWY_LIKELY((child & kMixedBit) == 0)) {
-      for (const TriangleBlock* block = view.blocks + index;; ++block) {
-        budget -= TestPacketBlock<kAny>(view, *block, mask, p);
-        if ((block->id[0] & kMoreBlocksBit) == 0) break;
+  } else {
+    const MixedLeaf& mixed = view.mixed_leaves[index];
+    for (std::uint32_t b = 0; b < mixed.block_count; ++b) {
+      TestPacketBlock<kAny>(view, view.blocks[mixed.first_block + b], mask, p);
+    }
+    for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
+      TestPacketSolid<kAny>(view, view.solids[mixed.first_solid + s], mask, p);
+    }
+  }
+  p.pop();
+  if ((kAny && p.active == 0) || p.budget < 0) p.stop();
+}
+
+// Packets under way at a time: most of their time they wait for memory.
+inline constexpr std::size_t kPacketsInterleaved = 6;
+
+// Traces all packets with active lanes. sink.finish(p) takes one that is done, or that ran out of
+// its budget; sink.refuse(i) one whose rays go too different ways.
+template <bool kAny, class Sink>
+HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::size_t count,
+                             VisibilityMask mask, Sink& sink) {
+  PacketState states[kPacketsInterleaved];
+  WorkLists<kPacketsInterleaved> lists;
+  std::size_t next = 0;
+  for (std::size_t s = 0; s < kPacketsInterleaved; ++s) {
+    lists.slot[WorkList::kDone][s] = static_cast<std::uint8_t>(s);
+    states[s].index = count;
+  }
+  lists.count[WorkList::kDone] = kPacketsInterleaved;
+  while (true) {
+    const std::size_t done = lists.count[WorkList::kDone];
+    lists.count[WorkList::kDone] = 0;
+    for (std::size_t i = 0; i < done; ++i) {
+      const std::size_t s = lists.slot[WorkList::kDone][i];
+      PacketState& p = states[s];
+      if (p.index < count) sink.finish(packets[p.index], p);
+      for (; next < count; ++next) {
+        if ((packets[next].active & 0xffffu) == 0) continue;
+        if (StartPacket(view, packets[next], p)) break;
+        sink.refuse(packets[next], next);
+      }
+      if (next == count) continue;
+      p.index = next++;
+      p.budget = kPacketBudget;
+      p.stack.start(view.root, p.tube);
+      p.pop();
+      lists.add(p.current, s);
+    }
+    const std::size_t inner = lists.count[WorkList::kInner];
+    const std::size_t leaves = lists.count[WorkList::kLeaf];
+    if (inner >= leaves) {
+      if (inner == 0) {
+        if (lists.count[WorkList::kDone] == 0) break;
+        continue;
+      }
+      lists.count[WorkList::kInner] = 0;
+      for (std::size_t i = 0; i < inner; ++i) {
+        const std::size_t s = lists.slot[WorkList::kInner][i];
+        PacketState& p = states[s];
+        --p.budget;
+        PushChildren(view.nodes[p.current], p.tube, p.t_near, p.t_far, p.farthest, p.stack);
+        p.pop();
+        PrefetchCell(view, p.current);
+        lists.add(p.current, s);
       }
     } else {
-      const MixedLeaf& mixed = view.mixed_leaves[index];
-      for (std::uint32_t b = 0; b < mixed.block_count; ++b) {
-        TestPacketBlock<kAny>(view, view.blocks[mixed.first_block + b], mask, p);
+      lists.count[WorkList::kLeaf] = 0;
+      for (std::size_t i = 0; i < leaves; ++i) {
+        PrefetchBlock(view, states[lists.slot[WorkList::kLeaf][i]].current);
       }
-      for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
-        TestPacketSolid<kAny>(view, view.solids[mixed.first_solid + s], mask, p);
+      for (std::size_t i = 0; i < leaves; ++i) {
+        const std::size_t s = lists.slot[WorkList::kLeaf][i];
+        TestPacketLeaf<kAny>(view, mask, states[s]);
+        PrefetchCell(view, states[s].current);
+        lists.add(states[s].current, s);
       }
     }
-    if (kAny && p.active == 0) return true;
   }
 }
 

@@ -31,6 +31,24 @@ struct alignas(64) TraversalStack {
   }
 };
 
+/// What is to be done next for a ray or packet under way.
+namespace WorkList {
+enum : std::size_t { kInner = 0, kLeaf = 1, kDone = 2 };
+}
+
+/// Everything under way by what is to be done next. Branches that a processor would have to guess
+/// ray by ray become loops over lists.
+template <std::size_t kSlots>
+struct WorkLists {
+  std::uint8_t slot[3][kSlots];
+  std::size_t count[3] = {0, 0, 0};
+
+  void add(KdChild current, std::size_t s) {
+    const std::size_t list = (current >> 31) + (current == kDoneChild ? 1u : 0u);
+    slot[list][count[list]++] = static_cast<std::uint8_t>(s);
+  }
+};
+
 /// The axes of the triangle test: z is the longest component of the direction.
 /// Source: Woop, Benthin & Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013.
 struct ShearAxes {
@@ -72,6 +90,14 @@ struct alignas(64) RayState {
     origin_y = r.origin[axes.y];
     origin_z = r.origin[axes.z];
     hit = found;
+  }
+
+  /// Puts the block behind the current one on the stack if `more` is 1: no branch to guess.
+  void push_next_block(std::uint32_t more) {
+    stack.child[stack.top] = current + 1;
+    stack.t_near[stack.top] = t_near;
+    stack.t_far[stack.top] = t_far;
+    stack.top += static_cast<int>(more);
   }
 
   /// Takes the nearest cell that is not behind the hit.
@@ -123,7 +149,27 @@ struct alignas(64) PacketState {
   float spread_x = 0.0f, spread_y = 0.0f;
   float longest_z = 0.0f;  ///< Largest |direction| along axes.z.
   bool is_z_positive = true;
+  std::size_t index = 0;
+  int budget = 0;                     ///< Work left before the rays go on alone.
+  KdChild current = kDoneChild;       ///< The cell the packet is in.
+  float t_near = 0.0f, t_far = 0.0f;  ///< Where it is in there.
   TraversalStack stack;
+
+  /// Whether all was visited before the budget ran out.
+  bool is_complete() const { return budget >= 0; }
+  void stop() { current = kDoneChild; }
+
+  /// Takes the nearest cell that is not behind all hits.
+  void pop() {
+    int top = stack.top;
+    do {
+      --top;
+    } while (stack.t_near[top] > farthest);
+    stack.top = top;
+    current = stack.child[top];
+    t_near = stack.t_near[top];
+    t_far = stack.t_far[top];
+  }
 };
 
 /// Tests a solid against the active lanes; returns those that it is the nearest hit of.

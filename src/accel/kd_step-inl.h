@@ -218,6 +218,18 @@ struct TubeMaker {
 
 #endif
 
+HWY_INLINE void PrefetchBlock(const KdView& view, KdChild leaf) {
+  const char* const block = reinterpret_cast<const char*>(view.blocks + (leaf & kIndexMask));
+  for (int line = 0; line < 10; ++line) hwy::Prefetch(block + 64 * line);
+}
+
+// The first line of a node or leaf.
+HWY_INLINE void PrefetchCell(const KdView& view, KdChild cell) {
+  const std::uint32_t index = cell & kIndexMask;
+  hwy::Prefetch(cell >= kLeafBit ? static_cast<const void*>(view.blocks + index)
+                                 : static_cast<const void*>(view.nodes + index));
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace abbe
 HWY_AFTER_NAMESPACE();

@@ -48,20 +48,25 @@ HWY_INLINE void TestBlock(const KdView& view, const TriangleBlock& block, Visibi
     const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
     const V zero = hn::Zero(d);
     const V determinant = hn::Add(hn::Add(u, v), w);
-    const auto is_inside = hn::And(
-        hn::Or(hn::Ge(hn::Min(hn::Min(u, v), w), zero), hn::Le(hn::Max(hn::Max(u, v), w), zero)),
-        hn::Ne(determinant, zero));
-    if (HWY_LIKELY(hn::AllFalse(d, is_inside))) continue;
+    const V weighted_z = hn::Add(hn::Add(hn::Mul(u, az), hn::Mul(v, bz)), hn::Mul(w, cz));
+    const V scaled_t = hn::Mul(weighted_z, hn::Set(d, ray.shear_z));
+    // First without the division, and a little too generous: one branch for most triangles.
+    const V size = hn::Abs(determinant);
+    const V forward = hn::CopySign(hn::Abs(scaled_t), hn::Xor(scaled_t, determinant));
+    const auto is_inside =
+        hn::Or(hn::Ge(hn::Min(hn::Min(u, v), w), zero), hn::Le(hn::Max(hn::Max(u, v), w), zero));
+    const auto is_near = hn::And(hn::Ge(forward, zero),
+                                 hn::Le(forward, hn::Mul(size, hn::Set(d, ray.hit.t * 1.00001f))));
+    const auto is_candidate = hn::And(hn::And(is_inside, is_near), hn::Gt(size, zero));
+    if (HWY_LIKELY(hn::AllFalse(d, is_candidate))) continue;
     const V inverse = hn::Div(hn::Set(d, 1.0f), determinant);
-    const V t = hn::Mul(hn::Mul(hn::Add(hn::Add(hn::Mul(u, az), hn::Mul(v, bz)), hn::Mul(w, cz)),
-                                hn::Set(d, ray.shear_z)),
-                        inverse);
+    const V t = hn::Mul(scaled_t, inverse);
     const auto is_hit =
-        hn::And(is_inside, hn::And(hn::Gt(t, zero), hn::Le(t, hn::Set(d, ray.hit.t))));
-    if (HWY_LIKELY(hn::AllFalse(d, is_hit))) continue;
+        hn::And(is_candidate, hn::And(hn::Gt(t, zero), hn::Le(t, hn::Set(d, ray.hit.t))));
     std::uint8_t bytes[8] = {};
     hn::StoreMaskBits(d, is_hit, bytes);
     unsigned bits = bytes[0] | static_cast<unsigned>(bytes[1]) << 8;
+    if (HWY_UNLIKELY(bits == 0)) continue;
     alignas(64) float ts[kBlockTriangles], vs[kBlockTriangles], ws[kBlockTriangles];
     hn::Store(t, d, ts);
     hn::Store(hn::Mul(v, inverse), d, vs);
@@ -74,25 +79,7 @@ HWY_INLINE void TestBlock(const KdView& view, const TriangleBlock& block, Visibi
   }
 }
 
-// The cells of all rays under way by what is to be done next. Branches that a processor would have
-// to guess ray by ray become loops over lists.
 inline constexpr std::size_t kInterleaved = 24;
-enum RayList { kInner = 0, kLeaf = 1, kDone = 2 };
-
-struct RayLists {
-  std::uint8_t slot[3][kInterleaved];
-  std::size_t count[3] = {0, 0, 0};
-
-  HWY_INLINE void add(KdChild current, std::size_t s) {
-    const std::size_t list = (current >> 31) + (current == kDoneChild ? 1u : 0u);
-    slot[list][count[list]++] = static_cast<std::uint8_t>(s);
-  }
-};
-
-HWY_INLINE void PrefetchBlock(const KdView& view, KdChild leaf) {
-  const char* const block = reinterpret_cast<const char*>(view.blocks + (leaf & kIndexMask));
-  for (int line = 0; line < 10; ++line) hwy::Prefetch(block + 64 * line);
-}
 
 // The next block of the ray's leaf; what follows is in ray.current.
 template <bool kAny>
@@ -101,8 +88,8 @@ HWY_INLINE void TestLeaf(const KdView& view, VisibilityMask mask, RayState& ray)
   if (HWY_LIKELY((ray.current & kMixedBit) == 0)) {
     const TriangleBlock& block = view.blocks[index];
     TestBlock(view, block, mask, ray);
-    ++ray.current;
-    if ((block.id[0] & kMoreBlocksBit) == 0) ray.pop();
+    ray.push_next_block(block.id[0] >> 31);
+    ray.pop();
   } else {
     const MixedLeaf& mixed = view.mixed_leaves[index];
     for (std::uint32_t b = 0; b < mixed.block_count; ++b) {
@@ -121,21 +108,21 @@ HWY_INLINE void TestLeaf(const KdView& view, VisibilityMask mask, RayState& ray)
 template <bool kAny, class Source>
 HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Source& source) {
   RayState states[kInterleaved];
-  RayLists lists;
+  WorkLists<kInterleaved> lists;
   const TubeMaker tubes(view.bounds);
   const std::size_t count = source.count;
   for (std::size_t s = 0; s < count && s < kInterleaved; ++s) {
-    lists.slot[kDone][s] = static_cast<std::uint8_t>(s);
-    ++lists.count[kDone];
+    lists.slot[WorkList::kDone][s] = static_cast<std::uint8_t>(s);
+    ++lists.count[WorkList::kDone];
     states[s].ray = nullptr;
   }
   std::size_t next = 0;
   while (true) {
     // New rays for those that are done.
-    const std::size_t done = lists.count[kDone];
-    lists.count[kDone] = 0;
+    const std::size_t done = lists.count[WorkList::kDone];
+    lists.count[WorkList::kDone] = 0;
     for (std::size_t i = 0; i < done; ++i) {
-      const std::size_t s = lists.slot[kDone][i];
+      const std::size_t s = lists.slot[WorkList::kDone][i];
       RayState& ray = states[s];
       if (ray.ray != nullptr) source.finish(ray);
       if (next == count) continue;
@@ -146,32 +133,30 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
       ++next;
       lists.add(ray.current, s);
     }
-    if (lists.count[kInner] >= lists.count[kLeaf]) {
-      const std::size_t inner = lists.count[kInner];
+    if (lists.count[WorkList::kInner] >= lists.count[WorkList::kLeaf]) {
+      const std::size_t inner = lists.count[WorkList::kInner];
       if (inner == 0) {
-        if (lists.count[kDone] == 0) break;
+        if (lists.count[WorkList::kDone] == 0) break;
         continue;
       }
-      lists.count[kInner] = 0;
+      lists.count[WorkList::kInner] = 0;
       for (std::size_t i = 0; i < inner; ++i) {
-        const std::size_t s = lists.slot[kInner][i];
+        const std::size_t s = lists.slot[WorkList::kInner][i];
         RayState& ray = states[s];
         PushChildren(view.nodes[ray.current], ray.tube, ray.t_near, ray.t_far, ray.hit.t,
                      ray.stack);
         ray.pop();
-        const bool is_leaf = ray.current >= kLeafBit;
-        hwy::Prefetch(is_leaf ? static_cast<const void*>(view.blocks + (ray.current & kIndexMask))
-                              : static_cast<const void*>(view.nodes + ray.current));
+        PrefetchCell(view, ray.current);
         lists.add(ray.current, s);
       }
     } else {
-      const std::size_t leaves = lists.count[kLeaf];
-      lists.count[kLeaf] = 0;
+      const std::size_t leaves = lists.count[WorkList::kLeaf];
+      lists.count[WorkList::kLeaf] = 0;
       for (std::size_t i = 0; i < leaves; ++i) {
-        PrefetchBlock(view, states[lists.slot[kLeaf][i]].current);
+        PrefetchBlock(view, states[lists.slot[WorkList::kLeaf][i]].current);
       }
       for (std::size_t i = 0; i < leaves; ++i) {
-        const std::size_t s = lists.slot[kLeaf][i];
+        const std::size_t s = lists.slot[WorkList::kLeaf][i];
         TestLeaf<kAny>(view, mask, states[s]);
         hwy::Prefetch(view.nodes + (states[s].current & kIndexMask));
         lists.add(states[s].current, s);

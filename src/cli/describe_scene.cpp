@@ -82,8 +82,7 @@ Description describe_texture(const Texture& texture, std::size_t number, const S
   return out;
 }
 
-Description describe_bounds(const Scene& scene) {
-  const Box3f bounds = bounds_of(scene);
+Description describe_bounds(const Box3f& bounds) {
   if (bounds.is_empty()) return nullptr;
   Description out;
   out["low_m"] = triple(bounds.low);
@@ -123,7 +122,7 @@ Description describe_scene(const PreparedScene& prepared, const Catalogue& catal
   out["hash"] = scene.content_hash;
   out["default_lights"] = prepared.has_default_lights;
   out["default_camera"] = prepared.has_default_camera;
-  out["bounds"] = describe_bounds(scene);
+  out["bounds"] = describe_bounds(prepared.bounds);
 
   out["cameras"] = Description::array();
   for (std::size_t i = 0; i < scene.cameras.size(); ++i) {

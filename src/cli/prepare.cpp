@@ -30,6 +30,7 @@ PreparedScene prepare_scene(const SceneOptions& options, const Catalogue& catalo
   if (!options.scene_name.empty()) load.scene_name = options.scene_name;
   PreparedScene prepared;
   prepared.scene = load_gltf(options.file, catalogue, load, notes);
+  prepared.bounds = bounds_of(prepared.scene);
   prepared.has_default_camera = add_default_camera(prepared.scene);
   prepared.has_default_lights = add_default_lights(prepared.scene);
   if (prepared.has_default_lights) {

@@ -16,6 +16,7 @@ namespace abbe {
 struct PreparedScene {
   Scene scene;
   std::size_t camera = 0;
+  Box3f bounds;  ///< Of what the file holds, without the default rig.
   bool has_default_lights = false;
   bool has_default_camera = false;
 

@@ -64,7 +64,7 @@ void append_element(const Json& element, std::size_t indent, std::string& out) {
       rest[name] = value;
       continue;
     }
-    if (value.is_null() || (value.is_string() && value.get<std::string>().empty())) continue;
+    if (text->empty() || value.is_null()) continue;
     const std::string item = is_first ? *text : name + " " + *text;
     if (!is_first) {
       line += ",";

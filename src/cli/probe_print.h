@@ -14,7 +14,7 @@ struct ProbeView {
   double least_weight = 0.0;  ///< Fainter rays are only counted.
 };
 
-/// An indented tree, at most 120 columns wide; deep nodes state their depth instead of more indent.
+/// An indented tree, at most 150 columns wide; deep nodes state their depth instead of more indent.
 std::string probe_text(std::span<const ProbeNode> nodes, const ProbeView& view);
 
 /// `0.364119 0.000000 -0.931352`.

@@ -132,9 +132,9 @@ ExitCode run_render(RenderArguments& arguments) {
       make_world(prepared.scene, {.mode = settings.mode, .wavelengths = settings.wavelengths},
                  standards.observer, standards.d65, notes);
   times.build_seconds = world.build_seconds;
-  console.show(notes);
 
   const InterruptGuard interrupt;
+  console.show(notes);
   ProgressLine progress(console.is_live());
   RenderResult result = render(
       world, prepared.chosen_camera(), settings,

@@ -1,0 +1,105 @@
+/// `abbe inspect` and `abbe spectra`: what is understood of files.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+#include "scenes.h"
+
+namespace abbe::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+class InspectTest : public ProgramTest {
+ protected:
+  json parsed(const Arguments& arguments) const {
+    const Outcome run = abbe(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.err, "");
+    return json::parse(run.out);
+  }
+};
+
+TEST_F(InspectTest, scene_as_json_says_what_it_holds) {
+  const json scene = parsed({"inspect", "scene.gltf", "--json"});
+  EXPECT_EQ(scene.at("scene"), "stage");
+  EXPECT_EQ(scene.at("default_lights"), false);
+  EXPECT_EQ(scene.at("cameras").at(0).at("name"), "eye");
+  EXPECT_EQ(scene.at("cameras").at(0).at("projection"), "perspective");
+  EXPECT_NEAR(scene.at("cameras").at(0).at("yfov_deg").get<double>(), 40.107, 1e-3);  // 0.7 rad
+  EXPECT_EQ(scene.at("lights").at(0).at("intensity_cd"), 100.0);
+  EXPECT_EQ(scene.at("lights").at(0).at("spectrum"), "illuminant/D65");
+  EXPECT_EQ(scene.at("shapes").size(), 2u);
+  const json& flint = scene.at("materials").at(0);
+  EXPECT_EQ(flint.at("glass"), "glass/schott/N-SF11");
+  EXPECT_NEAR(flint.at("n_d").get<double>(), 1.78472, 5e-6);  // As catalogued, five decimals.
+  EXPECT_NEAR(flint.at("V_d").get<double>(), 25.68, 5e-3);    // As catalogued, two decimals.
+  const json& low = scene.at("bounds").at("low_m");
+  EXPECT_NEAR(low.at(2).get<double>(), -9.0, 1e-5);  // Floats, rounded outwards.
+}
+
+TEST_F(InspectTest, formula_beyond_its_range_and_rough_surface_are_noted) {
+  const json scene = parsed({"inspect", "scene.gltf", "--json"});
+  const std::string notes = scene.at("notes").dump();
+  EXPECT_THAT(notes, HasSubstr("stated for 370-2500 nm; extrapolated at 360-370 nm"));
+  EXPECT_THAT(notes, HasSubstr("no blurred reflection"));
+  EXPECT_THAT(notes, HasSubstr("material red"));
+}
+
+TEST_F(InspectTest, what_is_ignored_is_noted) {
+  std::string text = small_scene();
+  const std::string used = "\"ABBE_material\",";
+  text.replace(text.find(used), used.size(), "\"ABBE_material\", \"VENDOR_magic\",");
+  write("vendor.gltf", text);
+  const json scene = parsed({"inspect", "vendor.gltf", "--json"});
+  EXPECT_THAT(scene.at("notes").dump(), HasSubstr("VENDOR_magic"));
+}
+
+TEST_F(InspectTest, text_names_the_same_things) {
+  const Outcome run = abbe({"inspect", "scene.gltf"});
+  EXPECT_EQ(run.exit_code, 0);
+  for (const char* text : {"eye, projection perspective", "glass glass/schott/N-SF11",
+                           "n_d 1.78472", "intensity_cd 100", "ball, shape sphere"}) {
+    EXPECT_THAT(run.out, HasSubstr(text));
+  }
+}
+
+TEST_F(InspectTest, exr_tells_its_provenance_and_channels) {
+  const Outcome render = abbe({"render", "scene.gltf", "-o", "a.exr", "--size", "8x8", "--spp", "1",
+                               "--bands", "400:700:50"});
+  ASSERT_EQ(render.exit_code, 0) << render.err;
+  const json image = parsed({"inspect", "a.exr", "--json"});
+  EXPECT_EQ(image.at("size"), json::array({8, 8}));
+  EXPECT_EQ(image.at("channels").size(), 9u);
+  EXPECT_EQ(image.at("spectral_channels_nm").size(), 6u);
+  EXPECT_EQ(image.at("attributes").at("abbe:mode"), "spectral");
+  EXPECT_EQ(image.at("attributes").at("abbe:complete"), 1);
+  const Outcome text = abbe({"inspect", "a.exr"});
+  EXPECT_THAT(text.out, HasSubstr("spectral_channels_nm: 6, 425.0 to 675.0"));
+  EXPECT_THAT(text.out, HasSubstr("abbe:bands: 400:700:50 nm"));
+}
+
+TEST_F(InspectTest, hostile_names_reach_the_terminal_without_control_characters) {
+  std::string text = small_scene();
+  const std::string name = "\"ball\"";
+  text.replace(text.find(name), name.size(), R"("ball\u001b[2J")");
+  write("escape.gltf", text);
+  EXPECT_EQ(abbe({"inspect", "escape.gltf"}).out.find('\x1b'), std::string::npos);
+  EXPECT_EQ(abbe({"probe", "escape.gltf", "--size", "9x9", "--pixel", "4,4"}).out.find('\x1b'),
+            std::string::npos);
+}
+
+TEST_F(InspectTest, spectra_are_listed_and_shown) {
+  EXPECT_GE(parsed({"spectra", "list", "--json"}).size(), 100u);
+  const json glass = parsed({"spectra", "show", "N-BK7", "--json"});
+  EXPECT_EQ(glass.at("id"), "glass/schott/N-BK7");
+  EXPECT_NEAR(glass.at("n_d").get<double>(), 1.5168, 5e-6);  // As catalogued.
+  EXPECT_THAT(glass.at("source").get<std::string>(), HasSubstr("SCHOTT"));
+  EXPECT_THAT(abbe({"spectra", "list"}).out, HasSubstr("glass/schott/N-SF11"));
+  EXPECT_THAT(abbe({"spectra", "show", "Au-Johnson"}).out, HasSubstr("Johnson"));
+}
+
+}  // namespace
+}  // namespace abbe::test

@@ -1,0 +1,118 @@
+/// Wrong usage: exit code 2, one line that names what is wrong, and nothing left behind.
+#include <gmock/gmock.h>
+
+#include "program.h"
+
+namespace abbe::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr int kUsage = 2;
+
+struct WrongUsage {
+  const char* name;
+  Arguments arguments;  ///< Behind `abbe`.
+  const char* says;
+};
+
+class WrongUsageTest : public ProgramTest, public testing::WithParamInterface<WrongUsage> {};
+
+TEST_P(WrongUsageTest, is_exit_code_2_and_one_line) {
+  const Outcome run = abbe(GetParam().arguments);
+  EXPECT_EQ(run.exit_code, kUsage);
+  EXPECT_TRUE(is_one_error_line(run.err));
+  EXPECT_THAT(run.err, HasSubstr(GetParam().says));
+  EXPECT_THAT(run.out, IsEmpty());
+  EXPECT_THAT(new_files(), IsEmpty());
+}
+
+Arguments render_with(const Arguments& more) {
+  Arguments arguments{"render", "scene.gltf", "-o", "a.exr"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+const WrongUsage kWrong[] = {
+    {"no_command", {}, "one of render, display"},
+    {"unknown_command", {"rendre"}, "\"rendre\""},
+    {"no_scene", {"render"}, "SCENE is required"},
+    {"no_output", {"render", "scene.gltf"}, "--output is required"},
+    {"two_scenes", render_with({"b.gltf"}), "\"b.gltf\""},
+    {"unknown_option", render_with({"--sppp", "4"}), "--spp"},
+    {"later_option_caustics", render_with({"--caustics", "exact"}), "unknown option --caustics"},
+    {"later_option_accel", render_with({"--accel", "bvh"}), "unknown option --accel"},
+    {"later_option_lamp", render_with({"--lamp", "A"}), "unknown option --lamp"},
+    {"later_command_compare", {"compare", "scene.gltf", "-o", "d"}, "\"compare\""},
+    {"option_without_value", render_with({"--spp"}), "--spp"},
+    {"option_twice", render_with({"--spp", "1", "--spp", "2"}), "--spp"},
+    {"no_number", render_with({"--spp", "many"}), "\"many\""},
+    {"number_with_tail", render_with({"--spp", "4x"}), "\"4x\""},
+    {"spp_0", render_with({"--spp", "0"}), "from 1 to"},
+    {"nan", render_with({"--cutoff", "nan"}), "--cutoff"},
+    {"negative_seed", render_with({"--seed", "-1"}), "--seed"},
+    {"size_without_height", render_with({"--size", "10"}), "WxH"},
+    {"size_0", render_with({"--size", "0x10"}), "--size"},
+    {"mode", render_with({"--mode", "cmyk"}), "rgb3"},
+    {"filter", render_with({"--filter", "sinc"}), "mitchell"},
+    {"range_reversed", render_with({"--range", "700:400"}), "--range"},
+    {"range_outside", render_with({"--range", "100:400"}), "--range"},
+    {"lines_in_rgb", render_with({"--mode", "rgb", "--lines", "500"}), "--lines"},
+    {"bands_in_rgb", render_with({"--mode", "rgb3", "--bands", "400:700:10"}), "--bands"},
+    {"lines_and_bands", render_with({"--lines", "500", "--bands", "400:700:10"}), "--lines"},
+    {"bands", render_with({"--bands", "400:700"}), "--bands"},
+    {"wavelengths", render_with({"--wavelengths", "65"}), "1 to 64"},
+    {"aov_unknown", render_with({"--aov", "Z,depth"}), "objectId"},
+    {"aov_of_later", render_with({"--aov", "cost"}), "cost"},
+    {"crop_outside", render_with({"--size", "8x8", "--crop", "0,0,9,8"}), "--crop"},
+    {"crop_empty", render_with({"--size", "8x8", "--crop", "4,4,4,8"}), "--crop"},
+    {"camera", render_with({"--camera", "none"}), "eye"},
+    {"scene_name", render_with({"--scene", "none"}), "stage"},
+    {"colorspace", render_with({"--colorspace", "sRGB?"}), "ACEScg"},
+    {"display", render_with({"-o", "b.png", "--display", "tv"}), "sRGB - Display"},
+    {"view", render_with({"-o", "b.png", "--view", "tv"}), "Un-tone-mapped"},
+    {"exposure", render_with({"--exposure", "bright"}), "auto"},
+    {"suffix", {"render", "scene.gltf", "-o", "a.bmp"}, ".exr, .png"},
+    {"no_suffix", {"render", "scene.gltf", "-o", "a"}, ".exr, .png"},
+    {"same_output_twice", render_with({"-o", "./a.exr"}), "twice"},
+    {"display_to_exr", {"display", "a.exr", "-o", "b.exr"}, ".png"},
+    {"pixel_missing", {"probe", "scene.gltf"}, "--pixel is required"},
+    {"pixel_outside", {"probe", "scene.gltf", "--size", "8x8", "--pixel", "8,0"}, "0,0 to 7,7"},
+    {"pixel_text", {"probe", "scene.gltf", "--pixel", "middle"}, "X,Y"},
+};
+
+INSTANTIATE_TEST_SUITE_P(usage, WrongUsageTest, testing::ValuesIn(kWrong),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+using UsageTest = ProgramTest;
+
+TEST_F(UsageTest, help_of_every_command_is_on_stdout) {
+  const Outcome program = abbe({"--help"});
+  EXPECT_EQ(program.exit_code, 0);
+  for (const char* command : {"render", "display", "inspect", "probe", "spectra"}) {
+    EXPECT_THAT(program.out, HasSubstr(command));
+    const Outcome run = abbe({command, "--help"});
+    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_THAT(run.out, HasSubstr("Usage: abbe " + std::string(command)));
+    EXPECT_THAT(run.err, IsEmpty());
+  }
+}
+
+TEST_F(UsageTest, help_of_render_states_the_defaults) {
+  const std::string help = abbe({"render", "--help"}).out;
+  for (const char* text : {"default: spectral", "camera samples per pixel (default: 16)",
+                           "1 to 64 (default: 16)", "may leave (default: 16)", "(default: 0.0001)",
+                           "(default: gaussian)", "sRGB - Display", "ACES 1.0 - SDR Video"}) {
+    EXPECT_THAT(help, HasSubstr(text));
+  }
+}
+
+TEST_F(UsageTest, version_is_one_line_on_stdout) {
+  const Outcome run = abbe({"--version"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.out, "abbe " ABBE_VERSION "\n");
+}
+
+}  // namespace
+}  // namespace abbe::test

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <chrono>
 #include <mutex>
 
@@ -33,7 +34,9 @@ class SampleSource {
       : world_(world),
         settings_(settings),
         rays_(camera, settings.size),
-        filter_(Filter::named(settings.filter)) {}
+        filter_(Filter::named(settings.filter)),
+        strata_(static_cast<float>(
+            std::bit_ceil(static_cast<std::uint32_t>(settings.samples_per_pixel)))) {}
 
   const Filter& filter() const { return filter_; }
 
@@ -54,7 +57,7 @@ class SampleSource {
     sample.seed = hash32(hash, index ^ 0x9d2c5680u);
     // Dimension 0 of the sequence chooses the wavelengths; the film takes the next two, so that
     // place and wavelength are not tied together.
-    FilterSample place = filter_.sample(scrambled_sobol_2d(index, 1, hash));
+    FilterSample place = filter_.sample(centred(scrambled_sobol_2d(index, 1, hash)));
     if (offset_px) place.offset_px = *offset_px;
     *weight = place.weight;
     rays_.aim(Vec2d(pixel) + 0.5 + Vec2d(place.offset_px), sample);
@@ -62,10 +65,16 @@ class SampleSource {
   }
 
  private:
+  // The middle of each of the strata that 2^k samples of a pixel fill along each axis: where light
+  // changes evenly across a pixel, as in a fringe, its samples then have no noise. Which stratum of
+  // one axis goes with which of the other is scrambled from pixel to pixel.
+  Vec2f centred(const Vec2f& u) const { return (glm::floor(u * strata_) + 0.5f) / strata_; }
+
   const World& world_;
   const RenderSettings& settings_;
   CameraRays rays_;
   Filter filter_;
+  float strata_;
 };
 
 std::vector<std::string> aov_channel_names(const std::string& group) {

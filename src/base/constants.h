@@ -21,7 +21,8 @@ inline constexpr double kLineF_nm = 486.1327;
 inline constexpr double kLine_d_nm = 587.5618;
 inline constexpr double kLineC_nm = 656.2725;
 
-/// Largest number of wavelength lanes a camera sample may carry: 64 by choice and 64 spectral lines.
+/// Largest number of wavelength lanes a camera sample may carry: 64 by choice and 64 spectral
+/// lines.
 inline constexpr int kMaxLanes = 128;
 
 }  // namespace abbe

@@ -45,6 +45,7 @@ class Error : public std::exception {
 
 /// The `count` names most like `name`, best first, for "did you mean" lists.
 std::vector<std::string> nearest_names(const std::string& name,
-                                       const std::vector<std::string>& names, std::size_t count = 5);
+                                       const std::vector<std::string>& names,
+                                       std::size_t count = 5);
 
 }  // namespace abbe

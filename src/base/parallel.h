@@ -30,9 +30,9 @@ class ThreadLimit {
  public:
   explicit ThreadLimit(int threads)
       : control_(oneapi::tbb::global_control::max_allowed_parallelism,
-                 threads > 0 ? static_cast<std::size_t>(threads)
-                             : static_cast<std::size_t>(
-                                   oneapi::tbb::this_task_arena::max_concurrency())) {}
+                 threads > 0
+                     ? static_cast<std::size_t>(threads)
+                     : static_cast<std::size_t>(oneapi::tbb::this_task_arena::max_concurrency())) {}
 
  private:
   oneapi::tbb::global_control control_;

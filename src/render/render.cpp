@@ -45,8 +45,8 @@ class SampleSource {
   int set_of(std::uint32_t index) const {
     const WavelengthQuadrature* quadrature = world_.lanes.quadrature();
     if (quadrature == nullptr) return 0;
-    return quadrature->set_of(
-        index, WavelengthQuadrature::centred_scramble(settings_.samples_per_pixel));
+    return quadrature->set_of(index,
+                              WavelengthQuadrature::centred_scramble(settings_.samples_per_pixel));
   }
 
   CameraSample sample(const Vec2i& pixel, std::uint32_t index,
@@ -157,8 +157,7 @@ class Renderer {
     for (const Worker& worker : workers) result.stats.add(worker.stats);
     result.image = film_.develop({.xyz_to_rec709 = world_.lanes.development().xyz_to_rec709});
     result.complete = complete.load();
-    result.queue_capacity =
-        queue_capacity(integrator_, kWaveSamples, world_.lanes.lane_count());
+    result.queue_capacity = queue_capacity(integrator_, kWaveSamples, world_.lanes.lane_count());
     result.dropped_samples = film_.dropped_sample_count();
     result.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

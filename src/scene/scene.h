@@ -195,9 +195,9 @@ struct Scene {
 /// World bounds of all instances; exact for meshes, conservative for shapes.
 Box3f bounds_of(const Scene& scene);
 
-/// The default rig, when the scene has no light, emission or ambient: a key and a fill lamp and a dim
-/// grey surround, in proportion to the bounds. Add a default camera first: the surround encloses it.
-/// Returns whether the rig was added.
+/// The default rig, when the scene has no light, emission or ambient: a key and a fill lamp and a
+/// dim grey surround, in proportion to the bounds. Add a default camera first: the surround
+/// encloses it. Returns whether the rig was added.
 bool add_default_lights(Scene& scene);
 
 /// A camera that frames the bounds from the front, when the scene has none. Returns whether it was

@@ -121,8 +121,7 @@ std::size_t nearest(const std::vector<double>& sorted, double value) {
 WavelengthQuadrature::WavelengthQuadrature(const WavelengthOptions& options,
                                            const Observer& observer,
                                            std::span<const Spectrum> lamps)
-    : range_min_nm_(options.range_min_nm),
-      range_max_nm_(options.range_max_nm) {
+    : range_min_nm_(options.range_min_nm), range_max_nm_(options.range_max_nm) {
   check(options);
 
   if (!options.exact_nm.empty()) {
@@ -180,7 +179,8 @@ int WavelengthQuadrature::set_of(std::uint32_t sample, std::uint32_t scramble) c
 }
 
 std::uint32_t WavelengthQuadrature::centred_scramble(int samples) {
-  // 2^k shifts in base-2 order are the multiples of 256/2^k; half that step moves them to the middle.
+  // 2^k shifts in base-2 order are the multiples of 256/2^k; half that step moves them to the
+  // middle.
   const int bits = std::bit_width(static_cast<std::uint32_t>(std::max(samples, 1) - 1));
   return 0x80u >> bits;
 }

@@ -49,12 +49,12 @@ class WavelengthQuadrature {
   /// Number of different sets: kShiftCount, or 1 when every lane is exact or a line.
   int set_count() const { return set_count_; }
 
-  /// The set of sample `sample`: the base-2 sequence of shifts, scrambled by exclusive or with the low
-  /// 8 bits of `scramble`. Under every scramble the first 2^k samples are evenly spread.
+  /// The set of sample `sample`: the base-2 sequence of shifts, scrambled by exclusive or with the
+  /// low 8 bits of `scramble`. Under every scramble the first 2^k samples are evenly spread.
   int set_of(std::uint32_t sample, std::uint32_t scramble) const;
 
-  /// The scramble that puts `samples` shifts in the middle of their parts of a stratum: the midpoint
-  /// rule, for light that begins or ends within a stratum.
+  /// The scramble that puts `samples` shifts in the middle of their parts of a stratum: the
+  /// midpoint rule, for light that begins or ends within a stratum.
   static std::uint32_t centred_scramble(int samples);
 
   /// Shape: lane_stride values per set. Padding repeats the last wavelength.

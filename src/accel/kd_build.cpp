@@ -47,7 +47,7 @@ std::pair<Job, Job> split_job(const Job& job, const Split& split, std::size_t co
 class SubtreeBuilder {
  public:
   SubtreeBuilder(const ShapeSpans& shapes, const KdTreeConfig& config)
-      : shapes_(shapes), config_(config), finder_(config) {}
+      : shapes_(shapes), config_(config), finder_(shapes, config) {}
 
   BuildTree build(std::vector<BuildReference> references, const Job& job) {
     stack_ = std::move(references);
@@ -123,7 +123,7 @@ std::unique_ptr<Branch> build_branch(const ShapeSpans& shapes, const KdTreeConfi
   auto branch = std::make_unique<Branch>();
   std::optional<Split> split;
   if (references.size() > kTaskLimit && job.depth < config.max_depth) {
-    split = SplitFinder(config).find(references, job.cell, job.added_budget);
+    split = SplitFinder(shapes, config).find(references, job.cell, job.added_budget);
   }
   if (!split) {
     branch->subtree = SubtreeBuilder(shapes, config).build(std::move(references), job);

@@ -11,6 +11,9 @@
 
 #include <hwy/highway.h>
 
+#include "accel/kd_lanes-inl.h"
+#include "accel/kd_packet_start-inl.h"
+#include "accel/kd_solids-inl.h"
 #include "accel/kd_state.h"
 #include "accel/kd_step-inl.h"
 
@@ -18,196 +21,6 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-using LaneF = hn::CappedTag<float, kPacketLanes>;
-using LaneU = hn::CappedTag<std::uint32_t, kPacketLanes>;
-
-// Lanes [first, first + Lanes) of a bit mask.
-template <class D>
-HWY_INLINE hn::Mask<D> MaskOf(D d, std::uint32_t bits, std::size_t first) {
-  const std::uint32_t part = bits >> first;
-  const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(part),
-                                 static_cast<std::uint8_t>(part >> 8)};
-  return hn::LoadMaskBits(d, bytes);
-}
-
-template <class D, class M>
-HWY_INLINE std::uint32_t BitsOf(D d, M mask, std::size_t first) {
-  std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(d, mask, bytes);
-  return (bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8) << first;
-}
-
-HWY_INLINE float LargestLane(const float* values) {
-  const LaneF d;
-  auto most = hn::Load(d, values);
-  for (std::size_t i = hn::Lanes(d); i < kPacketLanes; i += hn::Lanes(d)) {
-    most = hn::Max(most, hn::Load(d, values + i));
-  }
-  return hn::GetLane(hn::MaxOfLanes(d, most));
-}
-
-HWY_INLINE float SmallestLane(const float* values) {
-  const LaneF d;
-  auto least = hn::Load(d, values);
-  for (std::size_t i = hn::Lanes(d); i < kPacketLanes; i += hn::Lanes(d)) {
-    least = hn::Min(least, hn::Load(d, values + i));
-  }
-  return hn::GetLane(hn::MinOfLanes(d, least));
-}
-
-// Copies a row; lanes that are not active repeat one that is, so that they widen nothing.
-HWY_INLINE void CopyRow(const float* from, std::uint32_t active, std::size_t first_active,
-                        float* to) {
-  const LaneF d;
-  const auto fill = hn::Set(d, from[first_active]);
-  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
-    hn::Store(hn::IfThenElse(MaskOf(d, active, i), hn::Load(d, from + i), fill), d, to + i);
-  }
-}
-
-// Sorts the lanes by the longest component of their directions, and shears each along it.
-HWY_INLINE void ShearLanes(PacketState& p) {
-  const LaneF d;
-  std::uint32_t x_longest = 0, y_longest = 0;
-  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
-    const auto x = hn::Abs(hn::Load(d, p.direction[0] + i));
-    const auto y = hn::Abs(hn::Load(d, p.direction[1] + i));
-    const auto z = hn::Abs(hn::Load(d, p.direction[2] + i));
-    const auto beyond_y = hn::Gt(x, y);
-    x_longest |= BitsOf(d, hn::And(beyond_y, hn::Gt(x, z)), i);
-    y_longest |= BitsOf(d, hn::AndNot(beyond_y, hn::Gt(y, z)), i);
-  }
-  const std::uint32_t of_axis[3] = {x_longest & p.active, y_longest & p.active,
-                                    p.active & ~(x_longest | y_longest)};
-  p.group_count = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (of_axis[axis] == 0) continue;
-    ShearGroup& group = p.groups[p.group_count++];
-    group.axes = ShearAxes(axis);
-    group.lanes = of_axis[axis];
-    for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
-      const auto is_in = MaskOf(d, p.group_count == 1 ? 0xffffu : group.lanes, i);
-      const auto z = hn::Div(hn::Set(d, 1.0f), hn::Load(d, p.direction[axis] + i));
-      const auto x = hn::Mul(hn::Load(d, p.direction[group.axes.x] + i), z);
-      const auto y = hn::Mul(hn::Load(d, p.direction[group.axes.y] + i), z);
-      hn::Store(hn::IfThenElse(is_in, x, hn::Load(d, p.shear_x + i)), d, p.shear_x + i);
-      hn::Store(hn::IfThenElse(is_in, y, hn::Load(d, p.shear_y + i)), d, p.shear_y + i);
-      hn::Store(hn::IfThenElse(is_in, z, hn::Load(d, p.shear_z + i)), d, p.shear_z + i);
-    }
-  }
-}
-
-// Beyond this slope between rays of a packet the tube is too wide to be of use.
-inline constexpr float kWidestSpread = 0.25f;
-
-// The line that all rays of the packet are near to. False when they are not near to any.
-HWY_INLINE bool FindLine(PacketState& p, bool common_origin, float reach) {
-  const LaneF d;
-  const ShearAxes axes = p.groups[0].axes;
-  p.axes = axes;
-  const float* const dz = p.direction[axes.z];
-  const float least_z = SmallestLane(dz), most_z = LargestLane(dz);
-  if (!(least_z > 0.0f || most_z < 0.0f)) return false;
-  p.is_z_positive = least_z > 0.0f;
-  p.longest_z = p.is_z_positive ? most_z : -least_z;
-  const float* shear_x = p.shear_x;
-  const float* shear_y = p.shear_y;
-  alignas(64) float x[kPacketLanes], y[kPacketLanes];
-  if (p.group_count > 1) {
-    for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
-      const auto z = hn::Load(d, dz + i);
-      hn::Store(hn::Div(hn::Load(d, p.direction[axes.x] + i), z), d, x + i);
-      hn::Store(hn::Div(hn::Load(d, p.direction[axes.y] + i), z), d, y + i);
-    }
-    shear_x = x;
-    shear_y = y;
-  }
-  const float low_x = SmallestLane(shear_x), high_x = LargestLane(shear_x);
-  const float low_y = SmallestLane(shear_y), high_y = LargestLane(shear_y);
-  p.line_shear_x = 0.5f * (low_x + high_x);
-  p.line_shear_y = 0.5f * (low_y + high_y);
-  p.spread_x = 0.5f * (high_x - low_x);
-  p.spread_y = 0.5f * (high_y - low_y);
-  if (!(p.spread_x < kWidestSpread && p.spread_y < kWidestSpread)) return false;
-  p.line_x = p.origin[axes.x][0];
-  p.line_y = p.origin[axes.y][0];
-  p.line_z = p.origin[axes.z][0];
-  p.half_x = p.half_y = p.half_z = 0.0f;
-  if (!common_origin) {
-    alignas(64) float bx[kPacketLanes], by[kPacketLanes], bz[kPacketLanes];
-    for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
-      // Where the ray is at z = 0 of the line.
-      const auto z = hn::Sub(hn::Load(d, p.origin[axes.z] + i), hn::Set(d, p.line_z));
-      const auto ox = hn::Sub(hn::Load(d, p.origin[axes.x] + i), hn::Set(d, p.line_x));
-      const auto oy = hn::Sub(hn::Load(d, p.origin[axes.y] + i), hn::Set(d, p.line_y));
-      hn::Store(hn::Sub(ox, hn::Mul(z, hn::Load(d, shear_x + i))), d, bx + i);
-      hn::Store(hn::Sub(oy, hn::Mul(z, hn::Load(d, shear_y + i))), d, by + i);
-      hn::Store(hn::Abs(z), d, bz + i);
-    }
-    const float left = SmallestLane(bx), right = LargestLane(bx);
-    const float bottom = SmallestLane(by), top = LargestLane(by);
-    p.line_x += 0.5f * (left + right);
-    p.line_y += 0.5f * (bottom + top);
-    p.half_x = 0.5f * (right - left);
-    p.half_y = 0.5f * (top - bottom);
-    p.half_z = LargestLane(bz);
-  }
-  // The slack of the tube, four times for the roundings here.
-  const float slack = 4.0f * kTubeSlack * reach;
-  p.half_x += slack;
-  p.half_y += slack;
-  p.half_z += slack;
-  return true;
-}
-
-// Makes a packet ready to trace; false when its rays go too different ways.
-HWY_INLINE bool StartPacket(const KdView& view, const RayPacket& packet, PacketState& p) {
-  const LaneF d;
-  const LaneU du;
-  p.active = packet.active & 0xffffu;
-  p.met = 0;
-  const auto first = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(p.active));
-  CopyRow(packet.direction_x, p.active, first, p.direction[0]);
-  CopyRow(packet.direction_y, p.active, first, p.direction[1]);
-  CopyRow(packet.direction_z, p.active, first, p.direction[2]);
-  CopyRow(packet.origin_x, p.active, first, p.origin[0]);
-  CopyRow(packet.origin_y, p.active, first, p.origin[1]);
-  CopyRow(packet.origin_z, p.active, first, p.origin[2]);
-  ShearLanes(p);
-  float low_o[3], high_o[3], low_d[3], high_d[3];
-  float reach = 0.0f, longest = 0.0f;
-  for (int k = 0; k < 3; ++k) {
-    low_o[k] = high_o[k] = p.origin[k][0];
-    if (!packet.common_origin) {
-      low_o[k] = SmallestLane(p.origin[k]);
-      high_o[k] = LargestLane(p.origin[k]);
-    }
-    low_d[k] = SmallestLane(p.direction[k]);
-    high_d[k] = LargestLane(p.direction[k]);
-    const float down = std::abs(view.bounds.low[k] - high_o[k]);
-    const float up = std::abs(view.bounds.high[k] - low_o[k]);
-    reach = reach > down ? reach : down;
-    reach = reach > up ? reach : up;
-    longest = longest > high_d[k] ? longest : high_d[k];
-    longest = longest > -low_d[k] ? longest : -low_d[k];
-  }
-  if (!FindLine(p, packet.common_origin, reach)) return false;
-  for (int k = 0; k < 3; ++k) {
-    set_tube_axis(p.tube, k, low_o[k], high_o[k], low_d[k], high_d[k], reach, longest);
-  }
-  const auto never = hn::Set(d, -kInfinity);
-  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
-    const auto t_max = hn::Load(d, packet.t_max + i);
-    hn::Store(hn::IfThenElse(MaskOf(d, p.active, i), t_max, never), d, p.hits.t + i);
-    hn::Store(hn::Set(du, kNoPrimitive), du, p.hits.primitive + i);
-    hn::Store(hn::Zero(d), d, p.hits.u + i);
-    hn::Store(hn::Zero(d), d, p.hits.v + i);
-  }
-  p.farthest = LargestLane(p.hits.t);
-  clip_tube(p.tube, view.bounds, p.farthest);
-  return true;
-}
 
 // The triangles of a block that the packet's rays may meet, one bit each.
 HWY_INLINE std::uint32_t NearLine(const TriangleBlock& block, const PacketState& p) {
@@ -369,7 +182,7 @@ template <bool kAny>
 HWY_INLINE void TestPacketSolid(const KdView& view, std::uint32_t primitive, VisibilityMask mask,
                                 PacketState& p) {
   if (!view.is_visible(primitive, mask)) return;
-  const std::uint32_t found = test_solid_lanes(view, primitive, p);
+  const std::uint32_t found = TestSolidLanes(view, primitive, p);
   if (found == 0) return;
   if (kAny) Retire(p, found);
   p.farthest = LargestLane(p.hits.t);
@@ -380,9 +193,11 @@ template <bool kAny>
 HWY_INLINE void TestPacketLeaf(const KdView& view, VisibilityMask mask, PacketState& p) {
   const std::uint32_t index = p.current & kIndexMask;
   if (HWY_LIKELY((p.current & kMixedBit) == 0)) {
-    for (const TriangleBlock* block = view.blocks + index;; ++block) {
-      p.budget -= TestPacketBlock<kAny>(view, *block, mask, p);
-      if ((block->id[0] & kMoreBlocksBit) == 0) break;
+    for (std::uint32_t b = index;; ++b) {
+      const bool is_last = (view.blocks[b].id[0] & kMoreBlocksBit) == 0;
+      if (!is_last) PrefetchBlock(view, b + 1);
+      p.budget -= TestPacketBlock<kAny>(view, view.blocks[b], mask, p);
+      if (is_last) break;
     }
   } else {
     const MixedLeaf& mixed = view.mixed_leaves[index];
@@ -430,6 +245,7 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
       p.budget = kPacketBudget;
       p.stack.start(view.root, p.tube);
       p.pop();
+      PrefetchAll(view, p.current);
       lists.add(p.current, s);
     }
     const std::size_t inner = lists.count[WorkList::kInner];
@@ -446,18 +262,15 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
         --p.budget;
         PushChildren(view.nodes[p.current], p.tube, p.t_near, p.t_far, p.farthest, p.stack);
         p.pop();
-        PrefetchCell(view, p.current);
+        PrefetchAll(view, p.current);
         lists.add(p.current, s);
       }
     } else {
       lists.count[WorkList::kLeaf] = 0;
       for (std::size_t i = 0; i < leaves; ++i) {
-        PrefetchBlock(view, states[lists.slot[WorkList::kLeaf][i]].current);
-      }
-      for (std::size_t i = 0; i < leaves; ++i) {
         const std::size_t s = lists.slot[WorkList::kLeaf][i];
         TestPacketLeaf<kAny>(view, mask, states[s]);
-        PrefetchCell(view, states[s].current);
+        PrefetchAll(view, states[s].current);
         lists.add(states[s].current, s);
       }
     }

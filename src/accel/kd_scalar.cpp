@@ -38,18 +38,15 @@ class Query {
   }
 
   Hit closest() {
-    traverse<false>();
-    if (!hit_.is_hit()) return Hit{};
-    return hit_;
+    traverse();
+    return hit_.is_hit() ? hit_ : Hit{};
   }
-  bool any() { return traverse<true>(); }
 
  private:
-  template <bool kAny>
-  bool traverse() {
+  void traverse() {
     const RayTube tube = make_tube(ray_, view_.bounds);
-    if ((view_.any_mask & mask_) == 0 || view_.root == kEmptyChild) return false;
-    if (!(tube.t_near <= tube.t_far)) return false;
+    if ((view_.any_mask & mask_) == 0 || view_.root == kEmptyChild) return;
+    if (!(tube.t_near <= tube.t_far)) return;
     StackEntry stack[kStackEntries];
     int top = 0;
     stack[top++] = {view_.root, tube.t_near, tube.t_far};
@@ -58,12 +55,10 @@ class Query {
       if (entry.t_near > hit_.t) continue;
       if (entry.child & kLeafBit) {
         test_leaf(entry.child);
-        if (kAny && hit_.is_hit()) return true;
       } else {
         top = push_children(tube, entry, stack, top);
       }
     }
-    return false;
   }
 
   int push_children(const RayTube& tube, const StackEntry& entry, StackEntry* stack, int top) {
@@ -185,11 +180,6 @@ class Query {
 
 Hit closest_hit_scalar(const KdView& view, const Ray& ray, VisibilityMask mask, QueryCost& cost) {
   return Query(view, ray, mask, cost).closest();
-}
-
-bool any_hit_scalar(const KdView& view, const Ray& ray, VisibilityMask mask) {
-  QueryCost cost;
-  return Query(view, ray, mask, cost).any();
 }
 
 }  // namespace abbe

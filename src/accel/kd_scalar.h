@@ -1,4 +1,4 @@
-/// Queries of one ray in plain C++: the lowest level's traversal, and the one that counts.
+/// The query of one ray in plain C++, which counts its work. It gives the same bits as the kernels.
 #pragma once
 
 #include "accel/kd_layout.h"
@@ -9,8 +9,5 @@ namespace abbe {
 
 /// The nearest hit at t in (0, t_max); adds to `cost`.
 Hit closest_hit_scalar(const KdView& view, const Ray& ray, VisibilityMask mask, QueryCost& cost);
-
-/// Whether there is any hit at t in (0, t_max).
-bool any_hit_scalar(const KdView& view, const Ray& ray, VisibilityMask mask);
 
 }  // namespace abbe

@@ -27,27 +27,30 @@ void sort_floats(std::vector<float>& values) {
 
 }  // namespace
 
-float leaf_cost(std::size_t count, const KdTreeConfig& config) {
-  constexpr std::size_t kBlock = 16;
-  return config.block_cost * static_cast<float>((count + kBlock - 1) / kBlock);
-}
-
 // The best split so far of one cell, and what rates another.
 struct SplitFinder::Candidate {
   const KdTreeConfig& config;
   const Box3f& cell;
   std::size_t count;
   std::size_t max_added;
+  float solid_share;  // Of the references, taken to be the same on both sides of a plane.
   Vec3f size;
   float inverse_area;
   Split split;
   bool found = false;
 
-  Candidate(const KdTreeConfig& c, const Box3f& box, std::size_t n, std::size_t added)
-      : config(c), cell(box), count(n), max_added(added), size(box.size()) {
+  Candidate(const KdTreeConfig& c, const Box3f& box, std::size_t n, std::size_t added, float solids)
+      : config(c), cell(box), count(n), max_added(added), solid_share(solids), size(box.size()) {
     const float half_area = size.x * size.y + size.y * size.z + size.z * size.x;
     inverse_area = half_area > 0.0f ? 1.0f / half_area : 0.0f;
-    split.cost = leaf_cost(n, c);
+    split.cost = leaf_cost(n);
+  }
+
+  // A block of triangles costs as much as one of them, a solid as much as a block.
+  float leaf_cost(std::size_t n) const {
+    constexpr std::size_t kBlock = 16;
+    const auto blocks = static_cast<float>((n + kBlock - 1) / kBlock);
+    return config.block_cost * std::max(blocks, solid_share * static_cast<float>(n));
   }
 
   void rate(int axis, float plane, std::size_t below, std::size_t above, bool planar_below) {
@@ -59,8 +62,7 @@ struct SplitFinder::Candidate {
     const float rim = size[u] + size[v];
     const float p_below = (side + (plane - cell.low[axis]) * rim) * inverse_area;
     const float p_above = (side + (cell.high[axis] - plane) * rim) * inverse_area;
-    float cost = config.traversal_cost + p_below * leaf_cost(below, config) +
-                 p_above * leaf_cost(above, config);
+    float cost = config.traversal_cost + p_below * leaf_cost(below) + p_above * leaf_cost(above);
     if (below == 0 || above == 0) cost *= 1.0f - config.empty_bonus;
     if (cost < split.cost) {
       split = {axis, plane, planar_below, cost};
@@ -136,7 +138,13 @@ void SplitFinder::search_exact(std::span<const BuildReference> references, int a
 
 std::optional<Split> SplitFinder::find(std::span<const BuildReference> references,
                                        const Box3f& cell, std::size_t max_added) {
-  Candidate best(config_, cell, references.size(), max_added);
+  const auto solids =
+      std::count_if(references.begin(), references.end(),
+                    [&](const BuildReference& r) { return r.primitive >= triangle_count_; });
+  const float share = references.empty()
+                          ? 0.0f
+                          : static_cast<float>(solids) / static_cast<float>(references.size());
+  Candidate best(config_, cell, references.size(), max_added, share);
   if (references.size() > kExactLimit) {
     search_binned(references, best);
   } else {

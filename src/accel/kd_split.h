@@ -30,13 +30,11 @@ struct Split {
   }
 };
 
-/// Cost of a leaf with `count` primitives.
-float leaf_cost(std::size_t count, const KdTreeConfig& config);
-
 /// Finds splits; keeps its scratch memory between calls.
 class SplitFinder {
  public:
-  explicit SplitFinder(const KdTreeConfig& config) : config_(config) {}
+  SplitFinder(const ShapeSpans& shapes, const KdTreeConfig& config)
+      : triangle_count_(shapes.triangles.size()), config_(config) {}
 
   /// The cheapest split that adds at most `max_added` references, if any is cheaper than a leaf.
   std::optional<Split> find(std::span<const BuildReference> references, const Box3f& cell,
@@ -47,6 +45,7 @@ class SplitFinder {
   void search_binned(std::span<const BuildReference> references, Candidate& best) const;
   void search_exact(std::span<const BuildReference> references, int axis, Candidate& best);
 
+  std::size_t triangle_count_;
   KdTreeConfig config_;
   std::vector<float> lows_, highs_, planar_;
 };

@@ -172,7 +172,4 @@ struct alignas(64) PacketState {
   }
 };
 
-/// Tests a solid against the active lanes; returns those that it is the nearest hit of.
-std::uint32_t test_solid_lanes(const KdView& view, std::uint32_t primitive, PacketState& packet);
-
 }  // namespace abbe

@@ -223,6 +223,15 @@ HWY_INLINE void PrefetchBlock(const KdView& view, KdChild leaf) {
   for (int line = 0; line < 10; ++line) hwy::Prefetch(block + 64 * line);
 }
 
+// A node, or the first block of a leaf.
+HWY_INLINE void PrefetchAll(const KdView& view, KdChild cell) {
+  if (cell < kLeafBit) {
+    hwy::Prefetch(view.nodes + cell);
+  } else {
+    PrefetchBlock(view, cell);
+  }
+}
+
 // The first line of a node or leaf.
 HWY_INLINE void PrefetchCell(const KdView& view, KdChild cell) {
   const std::uint32_t index = cell & kIndexMask;

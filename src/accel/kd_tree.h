@@ -14,7 +14,7 @@ namespace abbe {
 /// How a tree is built. The defaults are measured; see tests/bench.
 struct KdTreeConfig {
   float traversal_cost = 1.0f;   ///< SAH cost of visiting a node.
-  float block_cost = 1.5f;       ///< SAH cost of testing one leaf block of 16 primitives.
+  float block_cost = 1.5f;       ///< SAH cost of testing a block of 16 triangles, or one solid.
   float empty_bonus = 0.15f;     ///< Share of cost forgiven when a split cuts off empty space.
   std::uint32_t max_depth = 64;  ///< Deepest leaf.
   float max_references = 4.0f;   ///< References per primitive before splitting turns linear.

@@ -1,0 +1,91 @@
+// Textures: wrapping, filtering, mipmaps, encodings.
+
+#include "world/texture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "color/color.h"
+
+namespace abbe {
+namespace {
+
+// A row of grey texels.
+TextureImage row_of(const std::vector<std::uint8_t>& codes) {
+  TextureImage image;
+  image.width = static_cast<int>(codes.size());
+  image.height = 1;
+  for (const std::uint8_t code : codes)
+    image.rgba8.insert(image.rgba8.end(), {code, code, code, 255});
+  return image;
+}
+
+float red_at(const WorldTexture& texture, float u, float footprint_uv = 0.0f) {
+  return texture.value({u, 0.5f}, footprint_uv).x;
+}
+
+TEST(WorldTexture, srgb_codes_are_decoded_and_data_are_not) {
+  const TextureImage image = row_of({128});
+  EXPECT_NEAR(red_at(WorldTexture(image, {}, TextureEncoding::Srgb), 0.5f),
+              srgb_decode(128.0 / 255.0), 1e-7);
+  EXPECT_EQ(red_at(WorldTexture(image, {}, TextureEncoding::Data), 0.5f), 128.0f / 255.0f);
+}
+
+TEST(WorldTexture, texel_centres_have_the_texels_values) {
+  const WorldTexture texture(row_of({0, 255, 51, 102}), {}, TextureEncoding::Data);
+  // Interpolation at a centre has weights 1 and 0 up to the rounding of u·4 − 0.5.
+  EXPECT_NEAR(red_at(texture, 0.125f), 0.0f, 1e-6f);
+  EXPECT_NEAR(red_at(texture, 0.375f), 1.0f, 1e-6f);
+  EXPECT_NEAR(red_at(texture, 0.625f), 0.2f, 1e-6f);
+  EXPECT_NEAR(red_at(texture, 0.5f), 0.6f, 1e-6f);
+}
+
+TEST(WorldTexture, wrapping_follows_the_sampler) {
+  Texture sampler;
+  sampler.filter = TextureFilter::Nearest;
+  const TextureImage image = row_of({0, 255});
+  EXPECT_EQ(red_at(WorldTexture(image, sampler, TextureEncoding::Data), 1.25f), 0.0f);
+  EXPECT_EQ(red_at(WorldTexture(image, sampler, TextureEncoding::Data), -0.25f), 1.0f);
+  sampler.wrap_s = TextureWrap::MirroredRepeat;
+  EXPECT_EQ(red_at(WorldTexture(image, sampler, TextureEncoding::Data), 1.25f), 1.0f);
+  EXPECT_EQ(red_at(WorldTexture(image, sampler, TextureEncoding::Data), -0.25f), 0.0f);
+  sampler.wrap_s = TextureWrap::ClampToEdge;
+  EXPECT_EQ(red_at(WorldTexture(image, sampler, TextureEncoding::Data), 7.0f), 1.0f);
+  EXPECT_EQ(red_at(WorldTexture(image, sampler, TextureEncoding::Data), -7.0f), 0.0f);
+}
+
+TEST(WorldTexture, wide_footprint_sees_the_mean_of_any_size) {
+  for (const int size : {8, 7, 13}) {
+    std::vector<std::uint8_t> codes(static_cast<std::size_t>(size));
+    double mean = 0.0;
+    for (int i = 0; i < size; ++i) {
+      codes[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(i * 17);
+      mean += i * 17 / 255.0 / size;
+    }
+    const WorldTexture texture(row_of(codes), {}, TextureEncoding::Data);
+    // Odd sizes are halved unevenly: within 5 % of full scale.
+    EXPECT_NEAR(red_at(texture, 0.3f, 100.0f), mean, size == 8 ? 1e-6 : 0.05) << size;
+  }
+}
+
+TEST(WorldTexture, senseless_coordinates_give_a_texel) {
+  const WorldTexture texture(row_of({51, 51}), {}, TextureEncoding::Data);
+  for (const float u : {std::numeric_limits<float>::quiet_NaN(), 1e30f, -1e30f,
+                        std::numeric_limits<float>::infinity()}) {
+    EXPECT_NEAR(red_at(texture, u), 0.2f, 1e-6f);
+  }
+}
+
+TEST(transformed_uv, use_applies_linear_part_and_offset) {
+  TextureUse use;
+  use.uv_linear = {0.0f, 2.0f, -3.0f, 0.0f};
+  use.uv_offset = {0.5f, 0.25f};
+  const Vec2f uv = transformed_uv(use, {1.0f, 10.0f});
+  EXPECT_EQ(uv.x, 20.5f);
+  EXPECT_EQ(uv.y, -2.75f);
+}
+
+}  // namespace
+}  // namespace abbe

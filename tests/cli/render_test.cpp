@@ -22,7 +22,7 @@ class RenderTest : public ProgramTest {
   Outcome render(const Arguments& more) const {
     Arguments arguments{"render", "scene.gltf", "--size", "24x16", "--spp", "2"};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    const Outcome run = abbe(arguments);
+    Outcome run = abbe(arguments);
     EXPECT_EQ(run.exit_code, 0) << run.err;
     return run;
   }

@@ -16,7 +16,7 @@ BENCH_PACKAGES := libembree-dev libbenchmark-dev
 TIDY_PACKAGES  := clang-format-14 clang-tidy-14
 
 # Objects are reused between clones where ccache is installed.
-CONFIGURE := cmake --preset $(PRESET) $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+CONFIGURE = cmake --preset $(PRESET) $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 
 .DEFAULT_GOAL := help
 .PHONY: help prism build test test-sanitize bench bless format tidy install clean \

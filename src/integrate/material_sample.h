@@ -1,6 +1,9 @@
 /// A material at one place: textures looked up, vertex colours applied.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "integrate/surface_point.h"
 #include "world/world.h"
 
@@ -14,6 +17,18 @@ struct ColorSample {
   /// Coefficients of a smooth reflectance (color/uplift.h); in RGB modes the linear Rec.709 itself.
   Vec3f lookup{0.0f};
 };
+
+/// The value of a colour in one lane. `row` is the tabulated colour, for a ColorSample that uses
+/// it.
+inline float lane_value(const World& world, const ColorSample& color, const float* row, int set,
+                        int lane) {
+  const float value = color.uses_row ? row[lane] : 1.0f;
+  if (!color.uses_lookup) return value;
+  if (world.lanes.quadrature() == nullptr) return value * color.lookup[std::min(lane, 2)];
+  const float s = world.row(world.uplift_abscissa, set)[lane];
+  const float x = (color.lookup.x * s + color.lookup.y) * s + color.lookup.z;
+  return value * (0.5f + 0.5f * (x / std::sqrt(1.0f + x * x)));
+}
 
 struct MaterialSample {
   ColorSample base_color;

@@ -28,16 +28,6 @@ void for_each_lane(const LaneMask& lanes, int lane_count, const Body& body) {
   }
 }
 
-float color_value(const World& world, const ColorSample& color, const float* row,
-                  const float* abscissa, int lane) {
-  float value = color.uses_row ? row[lane] : 1.0f;
-  if (!color.uses_lookup) return value;
-  if (world.lanes.quadrature() == nullptr) return value * color.lookup[std::min(lane, 2)];
-  const float s = abscissa[lane];
-  const float x = (color.lookup.x * s + color.lookup.y) * s + color.lookup.z;
-  return value * (0.5f + 0.5f * x / std::sqrt(1.0f + x * x));
-}
-
 class Passer {
  public:
   Passer(const World& world, IntegratorScratch::Buffers& buffers, IntegratorStats& stats)
@@ -154,7 +144,6 @@ class Passer {
   void cross(const Passage& passage, const SurfaceMaterial& material, const SurfacePoint& point) {
     const MaterialSample sample = material_sample(world_, material, point, 0.0f);
     const float* base_row = world_.row(material.base_color, passage.set);
-    const float* abscissa = world_.row(world_.uplift_abscissa, passage.set);
     const float* n_inside = world_.row(material.index, passage.set);
     const float* n_outside =
         passage.media.empty()
@@ -169,7 +158,7 @@ class Passer {
         const double eta_ti = n_inside[lane] / (n_outside != nullptr ? n_outside[lane] : 1.0f);
         through = share *
                   (1.0f - static_cast<float>(fresnel_dielectric(cosine, eta_ti).reflectance())) *
-                  color_value(world_, sample.base_color, base_row, abscissa, lane);
+                  lane_value(world_, sample.base_color, base_row, passage.set, lane);
       }
       visibility(passage)[lane] *= (1.0f - sample.alpha) + sample.alpha * through;
     });

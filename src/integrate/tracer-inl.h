@@ -415,10 +415,10 @@ class Tracer {
       at.roughness[lane] = here.roughness;
       at.transmission[lane] = here.metallic < 1.0f ? here.transmission : 0.0f;
       at.alpha[lane] = here.alpha;
-      at.base_color[lane] = lane_color(here.base_color, base_row, set, lane);
+      at.base_color[lane] = lane_value(world_, here.base_color, base_row, set, lane);
       at.emission[lane] = 0.0f;
       if (!material.emission) continue;
-      at.emission[lane] = lane_color(here.emission, emission_row, set, lane);
+      at.emission[lane] = lane_value(world_, here.emission, emission_row, set, lane);
       if (!here.emission.uses_row && world_.lanes.quadrature() != nullptr) {
         at.emission[lane] *= here.emission_scale * d65[lane];
       }
@@ -428,7 +428,8 @@ class Tracer {
   void fill_color(const ColorSample& color, const float* row, int set, LaneArray& out) const {
     const D d;
     if (color.uses_lookup && world_.lanes.quadrature() == nullptr) {
-      for (int lane = 0; lane < stride_; ++lane) out[lane] = lane_color(color, row, set, lane);
+      for (int lane = 0; lane < stride_; ++lane)
+        out[lane] = lane_value(world_, color, row, set, lane);
       return;
     }
     const float* abscissa = world_.row(world_.uplift_abscissa, set);
@@ -441,15 +442,6 @@ class Tracer {
       }
       hn::Store(value, d, out.v + i);
     }
-  }
-
-  float lane_color(const ColorSample& color, const float* row, int set, int lane) const {
-    const float value = color.uses_row ? row[lane] : 1.0f;
-    if (!color.uses_lookup) return value;
-    if (world_.lanes.quadrature() == nullptr) return value * color.lookup[std::min(lane, 2)];
-    const float s = world_.row(world_.uplift_abscissa, set)[lane];
-    const float x = (color.lookup.x * s + color.lookup.y) * s + color.lookup.z;
-    return value * (0.5f + 0.5f * x / std::sqrt(1.0f + x * x));
   }
 
   // Emission, and ambient light: k_a defaults to the albedo that diffuse reflection has.

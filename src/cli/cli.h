@@ -6,6 +6,7 @@ namespace abbe {
 /// Exit codes of the program.
 enum class ExitCode : int {
   Done = 0,
+  Exceeded = 1,      ///< A comparison went past its threshold.
   Usage = 2,         ///< A wrong option or argument.
   BadInput = 3,      ///< A file or scene that cannot be understood.
   OutputFailed = 4,  ///< A result that cannot be written.

@@ -20,22 +20,6 @@ struct DisplayCommand {
   DisplayArguments display;
 };
 
-// What the file says about its own space, else that of a render.
-std::string space_of_file(const std::filesystem::path& file) {
-  const ExrHeader header = read_exr_header(file);
-  const auto named = header.attributes.find("abbe:primaries");
-  if (named != header.attributes.end()) {
-    if (const auto* name = std::get_if<std::string>(&named->second)) return *name;
-  }
-  if (!header.chromaticities) return kRenderSpace;
-  const std::optional<std::string> space = space_of(*header.chromaticities);
-  if (!space) {
-    throw_input_error(file.string(), "chromaticities of no known colour space",
-                      "--colorspace NAME to say which it is");
-  }
-  return *space;
-}
-
 ExitCode run_display(DisplayCommand& arguments) {
   const std::vector<std::filesystem::path> files(arguments.outputs.begin(),
                                                  arguments.outputs.end());

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "image/exr.h"
 
 namespace abbe {
 namespace {
@@ -89,6 +90,21 @@ std::optional<std::string> space_of(const std::array<float, 8>& chromaticities) 
     if (same) return known.name;
   }
   return std::nullopt;
+}
+
+std::string space_of_file(const std::filesystem::path& file) {
+  const ExrHeader header = read_exr_header(file);
+  const auto named = header.attributes.find("abbe:primaries");
+  if (named != header.attributes.end()) {
+    if (const auto* name = std::get_if<std::string>(&named->second)) return *name;
+  }
+  if (!header.chromaticities) return kRenderSpace;
+  const std::optional<std::string> space = space_of(*header.chromaticities);
+  if (!space) {
+    throw_input_error(file.string(), "chromaticities of no known colour space",
+                      "--colorspace NAME to say which it is");
+  }
+  return *space;
 }
 
 }  // namespace abbe

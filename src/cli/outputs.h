@@ -34,4 +34,8 @@ std::optional<std::array<float, 8>> chromaticities_of(const std::string& space);
 /// The name of the space with such primaries and white.
 std::optional<std::string> space_of(const std::array<float, 8>& chromaticities);
 
+/// What an EXR says about the colour space of its RGB, else that of a render.
+/// Errors: an input Error for a broken file and for chromaticities of no known space.
+std::string space_of_file(const std::filesystem::path& file);
+
 }  // namespace abbe

@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "display/embedded_config.h"
+#include "image/image_pair.h"
 #include "image/raster.h"
 
 namespace OCIO = OCIO_NAMESPACE;
@@ -106,20 +107,6 @@ OCIO::ConstCPUProcessorRcPtr processor_of(const LoadedConfig& loaded,
 }
 
 using RgbIndices = std::array<std::size_t, 3>;
-
-RgbIndices rgb_indices(const Image& image) {
-  RgbIndices indices{};
-  const std::array<const char*, 3> names{"R", "G", "B"};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto index = image.channel_index(names[i]);
-    if (!index) {
-      throw_input_error("", "an image without channel " + std::string(names[i]),
-                        "channels R, G and B", image.channels);
-    }
-    indices[i] = *index;
-  }
-  return indices;
-}
 
 float finite(float value) {
   return std::isnan(value) ? 0.0f : std::clamp(value, -kLargestValue, kLargestValue);

@@ -35,6 +35,28 @@ class LaneMask {
     return static_cast<std::uint32_t>(words_[block >> 2] >> ((block & 3) * 16)) & 0xffffu;
   }
 
+  /// Adds the lanes that are set in `bits`, likewise.
+  void set_block16(int block, std::uint32_t bits) {
+    words_[block >> 2] |= static_cast<std::uint64_t>(bits) << ((block & 3) * 16);
+  }
+  friend LaneMask operator&(const LaneMask& a, const LaneMask& b) {
+    LaneMask both;
+    for (std::size_t i = 0; i < 2; ++i) both.words_[i] = a.words_[i] & b.words_[i];
+    return both;
+  }
+  friend LaneMask operator|(const LaneMask& a, const LaneMask& b) {
+    LaneMask either;
+    for (std::size_t i = 0; i < 2; ++i) either.words_[i] = a.words_[i] | b.words_[i];
+    return either;
+  }
+  /// The lanes of a that are not in b.
+  friend LaneMask operator-(const LaneMask& a, const LaneMask& b) {
+    LaneMask rest;
+    for (std::size_t i = 0; i < 2; ++i) rest.words_[i] = a.words_[i] & ~b.words_[i];
+    return rest;
+  }
+  bool operator==(const LaneMask&) const = default;
+
  private:
   std::array<std::uint64_t, 2> words_{0, 0};
   static_assert(kMaxLanes <= 128);

@@ -13,7 +13,7 @@
 
 #include <hwy/highway.h>
 
-#include "integrate/interaction.h"
+#include "integrate/lanes-inl.h"
 #include "integrate/microfacet.h"
 #include "optics/fresnel-inl.h"
 #include "world/world.h"
@@ -22,51 +22,6 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-template <class D>
-using VecOf = hn::Vec<D>;
-
-/// Three vectors: one 3-vector per lane.
-template <class D>
-struct Vec3Of {
-  VecOf<D> x, y, z;
-};
-
-template <class D>
-HWY_INLINE Vec3Of<D> Load3(D d, const LaneArray3& a, int i) {
-  return {hn::Load(d, a.x.v + i), hn::Load(d, a.y.v + i), hn::Load(d, a.z.v + i)};
-}
-
-template <class D>
-HWY_INLINE void Store3(D d, const Vec3Of<D>& v, LaneArray3& a, int i) {
-  hn::Store(v.x, d, a.x.v + i);
-  hn::Store(v.y, d, a.y.v + i);
-  hn::Store(v.z, d, a.z.v + i);
-}
-
-template <class D>
-HWY_INLINE VecOf<D> Dot3(D, const Vec3Of<D>& a, const Vec3Of<D>& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-
-/// s·a + t·b.
-template <class D>
-HWY_INLINE Vec3Of<D> Combine3(D, VecOf<D> s, const Vec3Of<D>& a, VecOf<D> t, const Vec3Of<D>& b) {
-  return {hn::Add(hn::Mul(s, a.x), hn::Mul(t, b.x)), hn::Add(hn::Mul(s, a.y), hn::Mul(t, b.y)),
-          hn::Add(hn::Mul(s, a.z), hn::Mul(t, b.z))};
-}
-
-template <class D>
-HWY_INLINE Vec3Of<D> Select3(D, hn::Mask<D> mask, const Vec3Of<D>& yes, const Vec3Of<D>& no) {
-  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
-          hn::IfThenElse(mask, yes.z, no.z)};
-}
-
-template <class D>
-HWY_INLINE Vec3Of<D> Normalized3(D d, const Vec3Of<D>& a) {
-  const auto scale = hn::Div(hn::Set(d, 1.0f), hn::Sqrt(Dot3(d, a, a)));
-  return {hn::Mul(a.x, scale), hn::Mul(a.y, scale), hn::Mul(a.z, scale)};
-}
 
 /// What a boundary between media is made of, per lane; null pointers mean index 1, no row.
 struct BoundaryRows {

@@ -2,17 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace abbe {
 namespace {
-
-constexpr float kEpsilon = std::numeric_limits<float>::epsilon() * 0.5f;
-
-// Bound on the relative error of n roundings (Higham).
-constexpr float gamma(int n) {
-  return (static_cast<float>(n) * kEpsilon) / (1.0f - static_cast<float>(n) * kEpsilon);
-}
 
 Vec3f unit_or(const Vec3f& v, const Vec3f& otherwise) {
   const float length2 = glm::dot(v, v);
@@ -24,28 +16,25 @@ float distance2(const Vec3f& a, const Vec3f& b) {
   return glm::dot(d, d);
 }
 
-void fill_triangle(const World& world, const Hit& hit, SurfacePoint& point) {
-  const Surface& surface = world.surfaces[point.surface];
-  const Triangle& corners = world.triangles[hit.primitive];
-  const Vec3f& a = world.positions[corners[0]];
-  const Vec3f& b = world.positions[corners[1]];
-  const Vec3f& c = world.positions[corners[2]];
+void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hit,
+                   SurfacePoint& point) {
+  const Surface& surface = world.surfaces[frame.surface];
+  const Triangle& corners = frame.corners;
+  const Vec3f& a = frame.a;
+  const Vec3f& b = frame.b;
+  const Vec3f& c = frame.c;
   const float u = hit.u;
   const float v = hit.v;
   const float w = 1.0f - u - v;
   point.position = w * a + u * b + v * c;
-  // In double: thin triangles far from the origin still have a direction to face.
-  const Vec3d ab = Vec3d(b) - Vec3d(a);
-  const Vec3d ac = Vec3d(c) - Vec3d(a);
-  const Vec3d cross = glm::cross(ab, ac);
-  const double twice_area = glm::length(cross);
-  point.normal = Vec3f(cross / twice_area);
+  point.normal = frame.normal;
   // Seven roundings make the position, two more the point beside it; and the next test of this
   // triangle works on corners relative to the ray, with an error that grows with their distance.
   const Vec3f sums = glm::abs(w * a) + glm::abs(u * b) + glm::abs(v * c);
   const float reach = std::sqrt(std::max(
       {distance2(a, point.position), distance2(b, point.position), distance2(c, point.position)}));
-  point.offset_m = gamma(9) * glm::dot(sums, glm::abs(point.normal)) + gamma(12) * reach;
+  point.offset_m =
+      rounding_bound(9) * glm::dot(sums, glm::abs(point.normal)) + rounding_bound(12) * reach;
 
   const auto interpolate = [&](const auto& values, std::uint32_t offset) {
     const std::uint32_t shift = offset - surface.first_vertex;
@@ -61,8 +50,7 @@ void fill_triangle(const World& world, const Hit& hit, SurfacePoint& point) {
     point.uv[set] = w * uv_a + u * uv_b + v * uv_c;
     const Vec2f d1 = uv_b - uv_a;
     const Vec2f d2 = uv_c - uv_a;
-    point.uv_per_m[set] =
-        std::sqrt(std::abs(d1.x * d2.y - d1.y * d2.x) / static_cast<float>(twice_area));
+    point.uv_per_m[set] = std::sqrt(std::abs(d1.x * d2.y - d1.y * d2.x) / frame.twice_area);
   }
   if (surface.colors_offset) {
     point.color_rec709 = interpolate(world.colors_rec709, *surface.colors_offset);
@@ -93,7 +81,7 @@ void fill_triangle(const World& world, const Hit& hit, SurfacePoint& point) {
     const Vec2f d1 = world.uv[corners[1] + shift] - world.uv[corners[0] + shift];
     const Vec2f d2 = world.uv[corners[2] + shift] - world.uv[corners[0] + shift];
     const float determinant = d1.x * d2.y - d1.y * d2.x;
-    tangent = Vec3f(ab) * d2.y - Vec3f(ac) * d1.y;
+    tangent = (b - a) * d2.y - (c - a) * d1.y;
     if (determinant < 0.0f) tangent = -tangent;
     // Texture v grows downwards, the bitangent of a normal map upwards.
     handedness = determinant < 0.0f ? 1.0f : -1.0f;
@@ -114,12 +102,11 @@ void fill_ellipsoid(const World& world, const Vec3d& on_ray, std::size_t index,
   // Move the point onto the surface: the ray parameter's error is along the ray, not across it.
   Vec3d q = ellipsoid.world_to_unit_linear * on_ray + ellipsoid.world_to_unit_offset;
   q = glm::normalize(q);
-  const Vec3d exact =
-      glm::inverse(ellipsoid.world_to_unit_linear) * (q - ellipsoid.world_to_unit_offset);
+  const Vec3d exact = world.ellipsoid_to_world[index] * (q - ellipsoid.world_to_unit_offset);
   point.position = Vec3f(exact);
   point.normal = Vec3f(glm::normalize(glm::transpose(ellipsoid.world_to_unit_linear) * q));
   point.shading_normal = point.normal;
-  point.offset_m = gamma(5) * glm::dot(glm::abs(point.position), glm::abs(point.normal));
+  point.offset_m = rounding_bound(5) * glm::dot(glm::abs(point.position), glm::abs(point.normal));
 }
 
 void fill_polyhedron(const World& world, const Vec3d& on_ray, std::size_t index, float face,
@@ -130,20 +117,42 @@ void fill_polyhedron(const World& world, const Vec3d& on_ray, std::size_t index,
   point.position = Vec3f(exact);
   point.normal = Vec3f(plane.normal);
   point.shading_normal = point.normal;
-  point.offset_m = gamma(5) * glm::dot(glm::abs(point.position), glm::abs(point.normal));
+  point.offset_m = rounding_bound(5) * glm::dot(glm::abs(point.position), glm::abs(point.normal));
 }
 
 }  // namespace
 
+TriangleFrame triangle_frame(const World& world, std::uint32_t primitive) {
+  TriangleFrame frame;
+  frame.surface = world.primitive_surface[primitive];
+  frame.corners = world.triangles[primitive];
+  frame.a = world.positions[frame.corners[0]];
+  frame.b = world.positions[frame.corners[1]];
+  frame.c = world.positions[frame.corners[2]];
+  // In double: thin triangles far from the origin still have a direction to face.
+  const Vec3d a(frame.a);
+  const Vec3d cross = glm::cross(Vec3d(frame.b) - a, Vec3d(frame.c) - a);
+  const double twice_area = glm::length(cross);
+  frame.normal = Vec3f(cross / twice_area);
+  frame.twice_area = static_cast<float>(twice_area);
+  return frame;
+}
+
+SurfacePoint triangle_point(const World& world, const TriangleFrame& frame, const Hit& hit) {
+  SurfacePoint point;
+  point.surface = frame.surface;
+  fill_triangle(world, frame, hit, point);
+  return point;
+}
+
 SurfacePoint surface_point(const World& world, const Vec3f& origin, const Vec3f& direction,
                            const Hit& hit) {
-  SurfacePoint point;
-  point.surface = world.primitive_surface[hit.primitive];
   std::size_t index = hit.primitive;
   if (index < world.triangles.size()) {
-    fill_triangle(world, hit, point);
-    return point;
+    return triangle_point(world, triangle_frame(world, hit.primitive), hit);
   }
+  SurfacePoint point;
+  point.surface = world.primitive_surface[hit.primitive];
   const Vec3d on_ray = Vec3d(origin) + static_cast<double>(hit.t) * Vec3d(direction);
   index -= world.triangles.size();
   if (index < world.ellipsoids.size()) {

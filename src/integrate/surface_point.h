@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "accel/query.h"
 #include "math/vec.h"
@@ -23,12 +24,39 @@ struct SurfacePoint {
   std::uint32_t surface = 0;
 };
 
+/// Bound on the relative error of n roundings to float.
+/// Source: Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., 3.1.
+constexpr float rounding_bound(int n) {
+  const float unit = static_cast<float>(n) * (std::numeric_limits<float>::epsilon() * 0.5f);
+  return unit / (1.0f - unit);
+}
+
+/// What all points of a triangle share.
+struct TriangleFrame {
+  Triangle corners{};
+  Vec3f a{0.0f}, b{0.0f}, c{0.0f};  ///< Positions of the corners.
+  Vec3f normal{0.0f};               ///< Geometric, unit length.
+  float twice_area = 0.0f;          ///< m².
+  std::uint32_t surface = 0;
+};
+TriangleFrame triangle_frame(const World& world, std::uint32_t primitive);
+
+/// Whether points of a surface differ in more than place and interpolated normal: coordinates for
+/// textures, vertex colours, normal maps.
+inline bool has_attributes(const World& world, const Surface& surface) {
+  const SurfaceMaterial& material = world.materials[surface.material];
+  return material.is_textured() || material.normal_texture || surface.colors_offset;
+}
+
 /// The place of a hit. Positions come from barycentric weights or from the shape itself, not from
 /// origin + t·direction, and carry a bound on their error.
 /// Domain: hit.is_hit().
 /// Source: Pharr, Jakob & Humphreys, Physically Based Rendering, 3rd ed., 3.9.
 SurfacePoint surface_point(const World& world, const Vec3f& origin, const Vec3f& direction,
                            const Hit& hit);
+
+/// The same for a hit on a triangle whose frame is at hand.
+SurfacePoint triangle_point(const World& world, const TriangleFrame& frame, const Hit& hit);
 
 /// A point just off the surface on the side that `side` points to.
 inline Vec3f off_surface(const SurfacePoint& point, const Vec3f& side) {

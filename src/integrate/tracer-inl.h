@@ -8,6 +8,7 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "integrate/material_sample.h"
 #include "integrate/passage.h"
 #include "integrate/shade-inl.h"
+#include "integrate/surface_lanes-inl.h"
 #include "math/sampling.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -159,6 +161,7 @@ class Tracer {
   }
 
   void find_hits(const FanList& list, std::size_t first, std::size_t last) {
+    if (list.fans[first].depth == 0) return find_camera_hits(list, first, last);
     b_.rays.clear();
     b_.packets.clear();
     b_.first_query.clear();
@@ -177,14 +180,49 @@ class Tracer {
       }
     }
     b_.hits.resize(b_.rays.size());
-    b_.packet_hits.resize(b_.packets.size());
     if (!b_.rays.empty()) {
       world_.tree.closest_hits(std::span<const Ray>(b_.rays), kAllBits, std::span<Hit>(b_.hits));
     }
-    if (!b_.packets.empty()) {
-      world_.tree.closest_hits(std::span<const RayPacket>(b_.packets), kAllBits,
-                               std::span<HitPacket>(b_.packet_hits));
+    trace_packets();
+  }
+
+  // Rays of neighbouring camera samples go the same way: sixteen of them are a packet.
+  void find_camera_hits(const FanList& list, std::size_t first, std::size_t last) {
+    b_.packets.clear();
+    b_.first_query.clear();
+    for (std::size_t begin = first; begin < last; begin += kPacketLanes) {
+      RayPacket& packet = b_.packets.emplace_back();
+      const std::size_t count = std::min<std::size_t>(kPacketLanes, last - begin);
+      packet.active = (1u << count) - 1u;
+      packet.common_origin = true;
+      for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
+        // Lanes beyond the last repeat it: they are inactive, but have to be numbers.
+        const Fan& fan = list.fans[begin + std::min(lane, count - 1)];
+        packet.origin_x[lane] = fan.origin.x;
+        packet.origin_y[lane] = fan.origin.y;
+        packet.origin_z[lane] = fan.origin.z;
+        packet.direction_x[lane] = fan.direction.x;
+        packet.direction_y[lane] = fan.direction.y;
+        packet.direction_z[lane] = fan.direction.z;
+        packet.t_max[lane] = kInfinity;
+        packet.common_origin &= fan.origin == list.fans[begin].origin;
+      }
     }
+    trace_packets();
+    b_.hits.clear();
+    for (std::size_t i = 0; i < last - first; ++i) {
+      const HitPacket& packet = b_.packet_hits[i / kPacketLanes];
+      const std::size_t lane = i % kPacketLanes;
+      b_.first_query.push_back(static_cast<std::uint32_t>(i));
+      b_.hits.push_back({packet.t[lane], packet.primitive[lane], packet.u[lane], packet.v[lane]});
+    }
+  }
+
+  void trace_packets() {
+    b_.packet_hits.resize(b_.packets.size());
+    if (b_.packets.empty()) return;
+    world_.tree.closest_hits(std::span<const RayPacket>(b_.packets), kAllBits,
+                             std::span<HitPacket>(b_.packet_hits));
   }
 
   void fill_packet(RayPacket& packet, const float* lanes, int block, const Fan& fan) const {
@@ -237,56 +275,123 @@ class Tracer {
 
   void shade_spread(const Fan& fan, const FanList& list, std::uint32_t first_packet,
                     FanList& next) {
-    const float* pool = list.pool.data() + fan.data;
-    const auto lane_vector = [&](int first_array, int lane) {
-      const float* p = pool + first_array * stride_ + lane;
-      return Vec3f(p[0], p[stride_], p[2 * stride_]);
-    };
-    LaneMask left;  // Lanes that hit something and are not shaded yet.
-    std::uint32_t key[kMaxLanes];
-    float distance_m[kMaxLanes];
-    LaneMask missed;
-    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
-      if (!fan.lanes.test(lane)) continue;
-      const HitPacket& packet = b_.packet_hits[first_packet + lane / kPacketLanes];
-      const int i = lane % kPacketLanes;
-      const Hit hit{packet.t[i], packet.primitive[i], packet.u[i], packet.v[i]};
-      if (!hit.is_hit()) {
-        missed.set(lane);
-        continue;
-      }
-      const Vec3f direction = lane_vector(4, lane);
-      b_.points[lane] = surface_point(world_, lane_vector(1, lane), direction, hit);
-      const bool front = glm::dot(direction, b_.points[lane].normal) < 0.0f;
-      key[lane] = 2 * b_.points[lane].surface + (front ? 1 : 0);
-      distance_m[lane] = hit.t;
-      left.set(lane);
-    }
+    const D d;
+    load_hits(fan, list, first_packet);
+    const LaneMask missed = LanesWith(d, stride_, hits_.primitive, kNoPrimitive, fan.lanes);
     if (missed.any()) record_miss(fan, list, missed);
+    LaneMask left = fan.lanes - missed;
+    find_surfaces(left);
     while (left.any()) {
       const int leader = left.front();
+      std::uint32_t surface = 0;
+      for (int m = 0; m < met_count_; ++m) {
+        if (met_lanes_[m].test(leader)) surface = met_surface_[m];
+      }
       LaneMask group;
-      for (int lane = leader; lane < world_.lanes.lane_count(); ++lane) {
-        if (left.test(lane) && key[lane] == key[leader]) group.set(lane);
+      for (int m = 0; m < met_count_; ++m) {
+        if (met_surface_[m] == surface) group = group | met_lanes_[m];
       }
-      Interaction& at = b_.at;
-      for (int lane = 0; lane < stride_; ++lane) {
-        const bool member = lane < world_.lanes.lane_count() && group.test(lane);
-        // Other lanes take the leader's geometry, so that all numbers are sane, and no throughput.
-        const int source = member ? lane : leader;
-        const SurfacePoint& point = b_.points[source];
-        const Vec3f direction = lane_vector(4, source);
-        const bool front = (key[source] & 1) != 0;
-        at.position.set(lane, point.position);
-        at.direction.set(lane, direction);
-        at.outward.set(lane, point.normal);
-        at.normal.set(lane, front ? point.shading_normal : -point.shading_normal);
-        at.offset_m[lane] = point.offset_m;
-        at.distance_m[lane] = distance_m[source];
-        at.throughput[lane] = member ? pool[lane] : 0.0f;
-        if (member) left.reset(lane);
+      const bool front = met_front_.test(leader);
+      group = left & (front ? group & met_front_ : group - met_front_);
+      left = left - group;
+      gather_group(group, leader, front, list.pool.data() + fan.data);
+      shade(fan, group, surface, front, next);
+    }
+  }
+
+  void load_hits(const Fan& fan, const FanList& list, std::uint32_t first_packet) {
+    const float* pool = list.pool.data() + fan.data;
+    float* arrays[6] = {hits_.origin.x.v,    hits_.origin.y.v,    hits_.origin.z.v,
+                        hits_.direction.x.v, hits_.direction.y.v, hits_.direction.z.v};
+    for (int a = 0; a < 6; ++a) {
+      std::copy(pool + (a + 1) * stride_, pool + (a + 2) * stride_, arrays[a]);
+    }
+    for (int block = 0; block * kPacketLanes < stride_; ++block) {
+      const HitPacket& packet = b_.packet_hits[first_packet + block];
+      const int begin = block * kPacketLanes;
+      std::copy(packet.t, packet.t + kPacketLanes, hits_.t.v + begin);
+      std::copy(packet.u, packet.u + kPacketLanes, hits_.u.v + begin);
+      std::copy(packet.v, packet.v + kPacketLanes, hits_.v.v + begin);
+      std::copy(packet.primitive, packet.primitive + kPacketLanes, hits_.primitive + begin);
+    }
+  }
+
+  // Geometry at the hits of `lanes`, primitive by primitive; most fans met only one.
+  void find_surfaces(LaneMask left) {
+    const D d;
+    met_count_ = 0;
+    met_front_ = LaneMask();
+    const LaneMask lanes = left;
+    while (left.any()) {
+      const int leader = left.front();
+      const std::uint32_t primitive = hits_.primitive[leader];
+      const std::uint32_t surface = world_.primitive_surface[primitive];
+      LaneMask filled;
+      if (has_attributes(world_, world_.surfaces[surface])) {
+        filled = LanesWith(d, stride_, hits_.primitive, primitive, left);
+        find_points(filled, primitive);
+      } else {
+        filled = FillSurfaceLanes(d, stride_, world_, hits_, left, leader, met_);
+        b_.points[leader].surface = surface;
       }
-      shade(fan, group, key[leader] / 2, (key[leader] & 1) != 0, next);
+      met_lanes_[met_count_] = filled;
+      met_surface_[met_count_] = surface;
+      ++met_count_;
+      left = left - filled;
+    }
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      const auto cosine = Dot3(d, Load3(d, hits_.direction, i), Load3(d, met_.outward, i));
+      SetLanesFrom(d, hn::Lt(cosine, hn::Zero(d)), i, met_front_);
+    }
+    met_front_ = met_front_ & lanes;
+  }
+
+  // The same lane by lane, where a triangle has attributes that differ from place to place.
+  void find_points(const LaneMask& lanes, std::uint32_t primitive) {
+    const bool is_triangle = primitive < world_.triangles.size();
+    const TriangleFrame frame = is_triangle ? triangle_frame(world_, primitive) : TriangleFrame{};
+    for (int lane = lanes.front(); lane < world_.lanes.lane_count(); ++lane) {
+      if (!lanes.test(lane)) continue;
+      const Hit hit{hits_.t[lane], primitive, hits_.u[lane], hits_.v[lane]};
+      SurfacePoint& point = b_.points[lane];
+      point = is_triangle
+                  ? triangle_point(world_, frame, hit)
+                  : surface_point(world_, hits_.origin.get(lane), hits_.direction.get(lane), hit);
+      met_.position.set(lane, point.position);
+      met_.outward.set(lane, point.normal);
+      met_.shading_normal.set(lane, point.shading_normal);
+      met_.offset_m[lane] = point.offset_m;
+    }
+  }
+
+  // The working set of shading for a group of lanes. Other lanes take the leader's geometry, so
+  // that all numbers are sane, and no throughput.
+  void gather_group(const LaneMask& group, int leader, bool front, const float* throughput) {
+    const D d;
+    Interaction& at = b_.at;
+    const auto leader_position = Set3(d, met_.position.get(leader));
+    const auto leader_direction = Set3(d, hits_.direction.get(leader));
+    const auto leader_outward = Set3(d, met_.outward.get(leader));
+    const auto leader_shading = Set3(d, met_.shading_normal.get(leader));
+    const auto leader_offset = hn::Set(d, met_.offset_m[leader]);
+    const auto leader_distance = hn::Set(d, hits_.t[leader]);
+    const auto side = hn::Set(d, front ? 1.0f : -1.0f);
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      const auto member = LanesFrom(d, group, i);
+      Store3(d, Select3(d, member, Load3(d, met_.position, i), leader_position), at.position, i);
+      Store3(d, Select3(d, member, Load3(d, hits_.direction, i), leader_direction), at.direction,
+             i);
+      Store3(d, Select3(d, member, Load3(d, met_.outward, i), leader_outward), at.outward, i);
+      const auto shading = Select3(d, member, Load3(d, met_.shading_normal, i), leader_shading);
+      Store3(
+          d,
+          Vec3Of<D>{hn::Mul(side, shading.x), hn::Mul(side, shading.y), hn::Mul(side, shading.z)},
+          at.normal, i);
+      hn::Store(hn::IfThenElse(member, hn::Load(d, met_.offset_m.v + i), leader_offset), d,
+                at.offset_m.v + i);
+      hn::Store(hn::IfThenElse(member, hn::Load(d, hits_.t.v + i), leader_distance), d,
+                at.distance_m.v + i);
+      hn::Store(hn::IfThenElseZero(member, hn::LoadU(d, throughput + i)), d, at.throughput.v + i);
     }
   }
 
@@ -623,9 +728,13 @@ class Tracer {
 
   float weight_of(const LaneArray& throughput, int set) const {
     const float* importance = world_.importance.data() + static_cast<std::size_t>(set) * stride_;
-    float sum = 0.0f;
-    for (int lane = 0; lane < stride_; ++lane) sum += throughput[lane] * importance[lane];
-    return sum;
+    // Four sums whatever the width of vectors, so that a weight has the same bits on every level.
+    const hn::CappedTag<float, 4> d;
+    auto sums = hn::Zero(d);
+    for (int i = 0; i < stride_; i += 4) {
+      sums = hn::Add(sums, hn::Mul(hn::Load(d, throughput.v + i), hn::LoadU(d, importance + i)));
+    }
+    return hn::GetLane(hn::SumOfLanes(d, sums));
   }
 
   // The share of light that a partly transparent surface lets by goes straight on.
@@ -657,9 +766,12 @@ class Tracer {
     LaneArray& reflected = reflected_;
     LaneArray& refracted = refracted_;
     const bool refracts = crossing != Crossing::None;
-    for (int lane = 0; lane < stride_; ++lane) {
-      reflected[lane] = at.throughput[lane] * shading_.k_r[lane];
-      refracted[lane] = refracts ? at.throughput[lane] * shading_.k_t[lane] : 0.0f;
+    const D d;
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      const auto throughput = hn::Load(d, at.throughput.v + i);
+      hn::Store(hn::Mul(throughput, hn::Load(d, shading_.k_r.v + i)), d, reflected.v + i);
+      const auto passed = hn::Mul(throughput, hn::Load(d, shading_.k_t.v + i));
+      hn::Store(refracts ? passed : hn::Zero(d), d, refracted.v + i);
     }
     float reflected_weight = weight_of(reflected, set);
     float refracted_weight = refracts ? weight_of(refracted, set) : 0.0f;
@@ -704,10 +816,7 @@ class Tracer {
   // Whether a united fan stays united when it refracts: there is one index for all its lanes.
   bool same_in_all_lanes(const LaneMask& lanes) const {
     const float eta = shading_.eta_ti[lanes.front()];
-    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
-      if (lanes.test(lane) && shading_.eta_ti[lane] != eta) return false;
-    }
-    return true;
+    return LanesWith(D(), stride_, shading_.eta_ti.v, eta, lanes) == lanes;
   }
 
   void add_child(const Fan& parent, const LaneMask& lanes, FanOrigin made_by,
@@ -716,9 +825,11 @@ class Tracer {
                  std::uint32_t record_number, FanList& next) {
     const Interaction& at = b_.at;
     Fan fan;
-    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
-      if (lanes.test(lane) && throughput[lane] > 0.0f) fan.lanes.set(lane);
+    const D d;
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      SetLanesFrom(d, hn::Gt(hn::Load(d, throughput.v + i), hn::Zero(d)), i, fan.lanes);
     }
+    fan.lanes = fan.lanes & lanes;
     fan.path = hash64(parent.path + static_cast<std::uint64_t>(made_by));
     fan.sample = parent.sample;
     fan.weight = weight;
@@ -732,13 +843,12 @@ class Tracer {
     fan.parent_record = record_number;
     fan.data = next.reserve_lanes(fan.spread, stride_);
     float* out = next.pool.data() + fan.data;
-    for (int lane = 0; lane < stride_; ++lane) {
-      const bool member = lane < world_.lanes.lane_count() && fan.lanes.test(lane);
-      out[lane] = member ? throughput[lane] : 0.0f;
+    const int step = static_cast<int>(hn::Lanes(d));
+    for (int i = 0; i < stride_; i += step) {
+      hn::StoreU(hn::IfThenElseZero(LanesFrom(d, fan.lanes, i), hn::Load(d, throughput.v + i)), d,
+                 out + i);
     }
-    const D d;
     if (fan.spread) {
-      const int step = static_cast<int>(hn::Lanes(d));
       for (int i = 0; i < stride_; i += step) {
         const auto direction = Load3(d, directions, i);
         const auto outward = Load3(d, at.outward, i);
@@ -886,6 +996,14 @@ class Tracer {
   LightGeometry to_light_;
   LaneArray reflected_, refracted_;  ///< Throughputs of the children being made.
   LaneArray3 saved_normal_;
+
+  // Of the spread fan being shaded: its hits, and the primitives that its lanes met.
+  HitLanes hits_;
+  SurfaceLanes met_;
+  int met_count_ = 0;
+  std::array<LaneMask, kMaxLanes> met_lanes_;
+  std::array<std::uint32_t, kMaxLanes> met_surface_;
+  LaneMask met_front_;
 };
 
 void TraceSamples(const World& world, const IntegratorSettings& settings,

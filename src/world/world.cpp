@@ -132,6 +132,7 @@ class Flattener {
       const Vec3d half(glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2]));
       ellipsoid.bounds = outward_bounds(offset - half, offset + half);
       world_.ellipsoids.push_back(ellipsoid);
+      world_.ellipsoid_to_world.push_back(unit_to_world);
       ellipsoid_surface_.push_back(number);
     } else {
       add_polyhedron(std::get<ConvexShape>(shape.geometry), instance.to_world, where);
@@ -229,8 +230,8 @@ World make_world(const Scene& scene, const WorldOptions& options, const Observer
 std::size_t World::geometry_bytes() const {
   const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   return bytes(positions) + bytes(triangles) + bytes(normals) + bytes(tangents) + bytes(uv) +
-         bytes(colors_rec709) + bytes(ellipsoids) + bytes(polyhedra) + bytes(planes) +
-         bytes(primitive_surface) + bytes(surfaces);
+         bytes(colors_rec709) + bytes(ellipsoids) + bytes(ellipsoid_to_world) + bytes(polyhedra) +
+         bytes(planes) + bytes(primitive_surface) + bytes(surfaces);
 }
 
 }  // namespace abbe

@@ -114,6 +114,7 @@ struct World {
   std::vector<Vec2f> uv;
   std::vector<Vec4f> colors_rec709;
   std::vector<Ellipsoid> ellipsoids;
+  std::vector<Mat3d> ellipsoid_to_world;  ///< Inverse of each one's world_to_unit_linear.
   std::vector<ConvexPolyhedron> polyhedra;
   std::vector<Plane> planes;
 

@@ -11,7 +11,7 @@ BUILD_PACKAGES := g++ cmake ninja-build pkg-config libglm-dev libhwy-dev libtbb-
   nlohmann-json3-dev libopenexr-dev libtinygltf-dev libcli11-dev libopencolorio-dev \
   libopenimageio-dev
 TEST_PACKAGES  := libgtest-dev libgmock-dev librapidcheck-dev qemu-user clang-format-14 \
-  openimageio-tools opencolorio-tools
+  openimageio-tools opencolorio-tools openexr
 BENCH_PACKAGES := libembree-dev libbenchmark-dev
 TIDY_PACKAGES  := clang-format-14 clang-tidy-14
 

@@ -34,7 +34,8 @@ ExitCode run_display(DisplayCommand& arguments) {
   options.source_space =
       arguments.color_space.empty() ? space_of_file(arguments.input) : arguments.color_space;
   const Image shown = to_display(read_exr(arguments.input), options);
-  for (const std::filesystem::path& file : files) write_raster(file, shown);
+  for (const std::filesystem::path& file : files)
+    write_raster(file, shown, arguments.display.raster);
   return ExitCode::Done;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/error.h"
 #include "cli/parse.h"
 #include "film/filter.h"
 
@@ -67,9 +68,27 @@ void add_display_options(CLI::App& command, DisplayArguments& arguments) {
             fmt::format("OCIO view of it (default: {})", options.view));
   add_shown(command, "--exposure", arguments.exposure, "EV|auto",
             "brightens the display image by EV stops; the EXR stays as it is (default: 0)");
+  add_number(command, "--bits", arguments.raster.bits, "N",
+             "bits per channel of PNG and TIFF, 8 or 16 (default: 8)");
+  command.add_flag("--dither", arguments.raster.dither,
+                   "noise of one code before rounding, against bands in gradients");
+}
+
+void add_exr_options(CLI::App& command, ExrOptions& options) {
+  command.add_flag("--half", options.half, "half instead of float for colours in the EXR");
+  add_shown(command, "--compression", options.compression, "NAME",
+            fmt::format("of the EXR: {} (default: {})", fmt::join(exr_compressions(), ", "),
+                        options.compression));
+  add_number(command, "--tiles", options.tile_size, "N",
+             "square tiles of N pixels in the EXR instead of scan lines");
+  command.add_flag("--multipart", options.multi_part,
+                   "a part of the EXR for colour, one for the spectrum, one for each layer");
 }
 
 void resolve_display(DisplayArguments& arguments) {
+  if (arguments.raster.bits != 8 && arguments.raster.bits != 16) {
+    throw_usage_error("--bits", std::to_string(arguments.raster.bits), "8 or 16");
+  }
   if (!arguments.config.empty()) arguments.options.config = arguments.config;
   const std::optional<double> exposure = parse_exposure(arguments.exposure);
   arguments.options.auto_exposure = !exposure;

@@ -8,6 +8,8 @@
 
 #include "cli/parse.h"
 #include "display/display.h"
+#include "image/exr.h"
+#include "image/raster.h"
 #include "render/settings.h"
 
 namespace abbe {
@@ -29,17 +31,22 @@ void add_scene_options(CLI::App& command, SceneOptions& options);
 /// size where none is given. Errors: a usage Error.
 void resolve_settings(SceneOptions& options);
 
-/// Settings for images by OpenColorIO: what --config, --display, --view and --exposure say.
+/// Settings for images by OpenColorIO: what --config, --display, --view, --exposure,
+/// --bits and --dither say.
 struct DisplayArguments {
   std::string config;
   std::string exposure = "0";
   DisplayOptions options;
+  RasterOptions raster;
 };
 
 void add_display_options(CLI::App& command, DisplayArguments& arguments);
 
 /// Turns texts into options. Errors: a usage Error.
 void resolve_display(DisplayArguments& arguments);
+
+/// How an EXR is kept: what --half, --compression, --tiles and --multipart say.
+void add_exr_options(CLI::App& command, ExrOptions& options);
 
 /// Adds an option whose help shows `placeholder`.
 template <typename T>

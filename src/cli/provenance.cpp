@@ -94,4 +94,22 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared, const
   return out;
 }
 
+std::vector<IdNames> id_names(const Scene& scene, const Image& image) {
+  std::vector<IdNames> result;
+  const auto add = [&](const char* channel, const auto& named, const char* kind) {
+    if (!image.channel_index(channel)) return;
+    IdNames ids{channel, {}};
+    // 0 is what no ray met.
+    std::uint32_t id = 0;
+    for (const auto& one : named) {
+      ++id;
+      ids.names[id] = one.name.empty() ? fmt::format("{} {}", kind, id - 1) : one.name;
+    }
+    result.push_back(std::move(ids));
+  };
+  add("objectId", scene.instances, "object");
+  add("materialId", scene.materials, "material");
+  return result;
+}
+
 }  // namespace abbe

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "cli/prepare.h"
 #include "image/image.h"
@@ -15,5 +16,8 @@ namespace abbe {
 std::map<std::string, Attribute> provenance(const PreparedScene& prepared, const World& world,
                                             const RenderSettings& settings,
                                             const std::string& color_space, bool is_complete);
+
+/// Names of the numbers in the channels objectId and materialId, of those that the image has.
+std::vector<IdNames> id_names(const Scene& scene, const Image& image);
 
 }  // namespace abbe

@@ -39,7 +39,7 @@ struct RenderArguments {
   std::vector<std::string> outputs;
   std::string bands, crop, aovs, stats_file;
   std::string color_space = kRenderSpace;
-  bool half = false;
+  ExrOptions exr;
   bool quiet = false;
 
   std::vector<std::filesystem::path> output_files() const {
@@ -61,6 +61,7 @@ void check_arguments(RenderArguments& arguments) {
   if (!arguments.aovs.empty()) settings.aovs = parse_names(arguments.aovs);
   resolve_settings(arguments.scene);
   resolve_display(arguments.display);
+  check_exr_options(arguments.exr);
   check_outputs(arguments.output_files());
   if (!arguments.stats_file.empty()) check_writable(arguments.stats_file);
   if (arguments.has_output(OutputKind::Raster)) check_display(arguments.display.options);
@@ -74,15 +75,16 @@ void write_images(const RenderArguments& arguments, Image& image) {
   if (arguments.has_output(OutputKind::Raster)) {
     const Image shown = to_display(image, arguments.display.options);
     for (const std::string& file : arguments.outputs) {
-      if (output_kind(file) == OutputKind::Raster) write_raster(file, shown);
+      if (output_kind(file) == OutputKind::Raster)
+        write_raster(file, shown, arguments.display.raster);
     }
   }
   if (!arguments.has_output(OutputKind::Exr)) return;
   if (arguments.color_space != kRenderSpace) {
     convert_space(image, kRenderSpace, arguments.color_space, arguments.display.options);
   }
-  const ExrOptions options{.half = arguments.half,
-                           .chromaticities = chromaticities_of(arguments.color_space)};
+  ExrOptions options = arguments.exr;
+  options.chromaticities = chromaticities_of(arguments.color_space);
   for (const std::string& file : arguments.outputs) {
     if (output_kind(file) == OutputKind::Exr) write_exr(file, image, options);
   }
@@ -149,6 +151,7 @@ ExitCode run_render(RenderArguments& arguments) {
   const Clock::time_point write_start = Clock::now();
   result.image.attributes =
       provenance(prepared, world, settings, arguments.color_space, result.complete);
+  result.image.id_names = id_names(prepared.scene, result.image);
   write_images(arguments, result.image);
   times.write_seconds = seconds_since(write_start);
   times.total_seconds = seconds_since(start);
@@ -184,7 +187,7 @@ void add_render_command(CLI::App& program, ExitCode& code) {
              "threads to use (default: all cores)");
   add_shown(command, "--colorspace", arguments->color_space, "NAME",
             fmt::format("OCIO colour space of the EXR's RGB (default: {})", kRenderSpace));
-  command.add_flag("--half", arguments->half, "half instead of float for colours in the EXR");
+  add_exr_options(command, arguments->exr);
   add_display_options(command, arguments->display);
   add_shown(command, "--stats", arguments->stats_file, "FILE.json",
             "write times, counts of rays and memory");

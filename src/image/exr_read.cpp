@@ -3,12 +3,14 @@
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIDManifest.h>
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStdIO.h>
 #include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfTileDescription.h>
 
 #include <algorithm>
 #include <array>
@@ -21,6 +23,7 @@
 
 #include "base/error.h"
 #include "image/exr.h"
+#include "image/exr_compression.h"
 
 namespace abbe {
 namespace {
@@ -30,6 +33,8 @@ constexpr int kLongestTileSide_px = 4096;
 constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
 constexpr std::int64_t kMostValues = std::int64_t{1} << 31;
 constexpr std::size_t kMostChannels = 4096;
+constexpr int kMostParts = 256;
+constexpr std::uint64_t kLongestManifest = 64u << 20;
 constexpr int kFarthestOrigin_px = 1 << 24;
 
 // A file that claims more pixels than it holds fails before more memory than this many rows take.
@@ -46,8 +51,8 @@ std::uint32_t little_endian(const std::array<char, 4>& bytes) {
   return value;
 }
 
-// Walks the attributes of the header: OpenEXR allocates what a size field claims before it finds
-// the file too short, and parts or deep data are nothing we read.
+// Walks the attributes of the headers: OpenEXR allocates what a size field claims before it finds
+// the file too short, and deep data are nothing we read.
 void check_structure(const std::filesystem::path& file, std::ifstream& stream,
                      std::uint64_t file_size) {
   std::array<char, 4> word{};
@@ -60,9 +65,9 @@ void check_structure(const std::filesystem::path& file, std::ifstream& stream,
   }
   const std::uint32_t version = next_word();
   if ((version & 0xffu) != 2u) reject(file, "an unknown EXR version", "version 2");
-  if ((version & 0x1800u) != 0) {
-    reject(file, "an EXR of deep data or several parts", "a single flat image");
-  }
+  constexpr std::uint32_t kDeepFlag = 0x800u;
+  constexpr std::uint32_t kMultiPartFlag = 0x1000u;
+  if ((version & kDeepFlag) != 0) reject(file, "an EXR of deep data", "a flat image");
   const auto skip_name = [&] {
     int length = 0;
     for (char c = '\0'; stream.get(c) && c != '\0'; ++length) {
@@ -71,49 +76,35 @@ void check_structure(const std::filesystem::path& file, std::ifstream& stream,
     if (!stream) reject(file, "a file that ends in its header", "an EXR");
     return length;
   };
-  while (skip_name() > 0) {
-    skip_name();
-    const std::uint64_t size = next_word();
-    const auto at = static_cast<std::uint64_t>(stream.tellg());
-    if (size > file_size - at) reject(file, "an attribute longer than the file", "an EXR");
-    stream.seekg(static_cast<std::streamoff>(at + size));
+  // Whether there was a header; the list of a file of several parts ends with an empty one.
+  const auto skip_header = [&] {
+    bool any = false;
+    while (skip_name() > 0) {
+      any = true;
+      skip_name();
+      const std::uint64_t size = next_word();
+      const auto at = static_cast<std::uint64_t>(stream.tellg());
+      if (size > file_size - at) reject(file, "an attribute longer than the file", "an EXR");
+      stream.seekg(static_cast<std::streamoff>(at + size));
+    }
+    return any;
+  };
+  skip_header();
+  if ((version & kMultiPartFlag) != 0) {
+    for (int parts = 1; skip_header(); ++parts) {
+      if (parts == kMostParts) reject(file, "an EXR of more than 256 parts", "at most 256");
+    }
   }
   stream.clear();
   stream.seekg(0);
-}
-
-std::string compression_name(Imf::Compression compression) {
-  switch (compression) {
-    case Imf::NO_COMPRESSION:
-      return "none";
-    case Imf::RLE_COMPRESSION:
-      return "rle";
-    case Imf::ZIPS_COMPRESSION:
-      return "zips";
-    case Imf::ZIP_COMPRESSION:
-      return "zip";
-    case Imf::PIZ_COMPRESSION:
-      return "piz";
-    case Imf::PXR24_COMPRESSION:
-      return "pxr24";
-    case Imf::B44_COMPRESSION:
-      return "b44";
-    case Imf::B44A_COMPRESSION:
-      return "b44a";
-    case Imf::DWAA_COMPRESSION:
-      return "dwaa";
-    case Imf::DWAB_COMPRESSION:
-      return "dwab";
-    default:
-      return "unknown";
-  }
 }
 
 std::string type_name(Imf::PixelType type) {
   return type == Imf::HALF ? "half" : type == Imf::FLOAT ? "float" : "uint";
 }
 
-// R, G, B, A, then spectral channels by wavelength, then the others as text.
+// R, G, B, A, then spectral channels by wavelength, emissive before reflective, then the others as
+// text.
 std::tuple<int, double, std::string> channel_rank(const std::string& name) {
   constexpr std::array<const char*, 4> kFirst{"R", "G", "B", "A"};
   for (int i = 0; i < 4; ++i) {
@@ -122,7 +113,10 @@ std::tuple<int, double, std::string> channel_rank(const std::string& name) {
   if (const auto wavelength_nm = spectral_channel_wavelength_nm(name)) {
     return {4, *wavelength_nm, name};
   }
-  return {5, 0.0, name};
+  if (const auto wavelength_nm = reflective_channel_wavelength_nm(name)) {
+    return {5, *wavelength_nm, name};
+  }
+  return {6, 0.0, name};
 }
 
 // What OpenEXR itself writes and what a copy of the image must not inherit.
@@ -139,7 +133,8 @@ void copy_if_typed(const std::string& name, const Imf::Attribute& attribute,
   }
 }
 
-ExrHeader understood(const std::filesystem::path& file, const Imf::Header& header) {
+// Where the pixels of a part lie and how they are kept; channels and attributes are left out.
+ExrHeader windows_of(const std::filesystem::path& file, const Imf::Header& header) {
   const Imath::Box2i& data = header.dataWindow();
   const Imath::Box2i& display = header.displayWindow();
   const auto extent = [](int low, int high) { return std::int64_t{high} - low + 1; };
@@ -158,7 +153,6 @@ ExrHeader understood(const std::filesystem::path& file, const Imf::Header& heade
       !is_near(full_height)) {
     reject(file, "a display window out of bounds", "windows within 2^24 pixels of the origin");
   }
-
   ExrHeader result;
   result.width = static_cast<int>(width);
   result.height = static_cast<int>(height);
@@ -166,36 +160,100 @@ ExrHeader understood(const std::filesystem::path& file, const Imf::Header& heade
     result.data_origin = {data.min.x - display.min.x, data.min.y - display.min.y};
     result.full_size = {static_cast<int>(full_width), static_cast<int>(full_height)};
   }
-  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
-    if (it.channel().xSampling != 1 || it.channel().ySampling != 1) {
-      reject(file, std::string("subsampled channel ") + it.name(), "a value for every pixel");
-    }
-    result.channels.push_back({it.name(), type_name(it.channel().type)});
-    if (result.channels.size() > kMostChannels) {
-      reject(file, "more than 4096 channels", "at most 4096");
-    }
+  result.compression = exr_compression_name(header.compression());
+  if (header.hasTileDescription()) {
+    result.tile_size = static_cast<int>(header.tileDescription().xSize);
   }
-  if (result.channels.empty()) reject(file, "an EXR without channels", "at least one channel");
-  if (width * height * static_cast<std::int64_t>(result.channels.size()) > kMostValues) {
-    reject(file, "more than 2^31 values", "at most 2^31 values, pixels times channels");
-  }
-  std::sort(result.channels.begin(), result.channels.end(), [](const auto& a, const auto& b) {
-    return channel_rank(a.name) < channel_rank(b.name);
-  });
+  return result;
+}
 
-  result.compression = compression_name(header.compression());
-  if (Imf::hasChromaticities(header)) {
+std::vector<IdNames> id_names_of(const Imf::Header& header) {
+  std::vector<IdNames> result;
+  if (!Imf::hasIDManifest(header)) return result;
+  const Imf::CompressedIDManifest& compressed = Imf::idManifest(header);
+  if (compressed._uncompressedDataSize > kLongestManifest) return result;
+  const Imf::IDManifest manifest(compressed);
+  for (std::size_t i = 0; i < manifest.size(); ++i) {
+    const auto& group = manifest[i];
+    if (group.getComponents().size() != 1) continue;
+    for (const std::string& channel : group.getChannels()) {
+      IdNames ids{channel, {}};
+      for (auto entry = group.begin(); entry != group.end(); ++entry) {
+        ids.names[static_cast<std::uint32_t>(entry.id())] = entry.text().front();
+      }
+      result.push_back(std::move(ids));
+    }
+  }
+  return result;
+}
+
+void add_attributes(const Imf::Header& header, ExrHeader& result) {
+  if (!result.chromaticities && Imf::hasChromaticities(header)) {
     const Imf::Chromaticities& xy = Imf::chromaticities(header);
     result.chromaticities = {xy.red.x,  xy.red.y,  xy.green.x, xy.green.y,
                              xy.blue.x, xy.blue.y, xy.white.x, xy.white.y};
   }
+  std::map<std::string, Attribute> attributes;
   for (auto it = header.begin(); it != header.end(); ++it) {
     if (is_structural(it.name())) continue;
-    copy_if_typed<std::string>(it.name(), it.attribute(), result.attributes);
-    copy_if_typed<int>(it.name(), it.attribute(), result.attributes);
-    copy_if_typed<float>(it.name(), it.attribute(), result.attributes);
-    copy_if_typed<double>(it.name(), it.attribute(), result.attributes);
+    copy_if_typed<std::string>(it.name(), it.attribute(), attributes);
+    copy_if_typed<int>(it.name(), it.attribute(), attributes);
+    copy_if_typed<float>(it.name(), it.attribute(), attributes);
+    copy_if_typed<double>(it.name(), it.attribute(), attributes);
   }
+  // What the first part says holds for the file.
+  result.attributes.merge(attributes);
+  for (IdNames& ids : id_names_of(header)) result.id_names.push_back(std::move(ids));
+}
+
+/// A channel of the image, and where in the file it is.
+struct Source {
+  ExrHeader::Channel channel;
+  int part = 0;
+  std::string name_in_part;
+};
+
+void add_channels(const std::filesystem::path& file, const Imf::Header& header, int part,
+                  std::vector<Source>& sources) {
+  std::set<std::string> taken;
+  for (const Source& source : sources) taken.insert(source.channel.name);
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    if (it.channel().xSampling != 1 || it.channel().ySampling != 1) {
+      reject(file, std::string("subsampled channel ") + it.name(), "a value for every pixel");
+    }
+    std::string name = it.name();
+    if (taken.contains(name)) {
+      name = (header.hasName() ? header.name() : std::to_string(part)) + "." + name;
+    }
+    if (taken.contains(name)) reject(file, "channel " + name + " twice", "every channel once");
+    sources.push_back({{name, type_name(it.channel().type)}, part, it.name()});
+    if (sources.size() > kMostChannels) reject(file, "more than 4096 channels", "at most 4096");
+  }
+}
+
+// All parts as one image.
+ExrHeader understood(const std::filesystem::path& file, const Imf::MultiPartInputFile& exr,
+                     std::vector<Source>& sources) {
+  ExrHeader result = windows_of(file, exr.header(0));
+  result.part_count = exr.parts();
+  for (int part = 0; part < exr.parts(); ++part) {
+    const ExrHeader windows = windows_of(file, exr.header(part));
+    if (windows.width != result.width || windows.height != result.height ||
+        windows.data_origin != result.data_origin || windows.full_size != result.full_size) {
+      reject(file, "parts of different sizes", "parts that make one image");
+    }
+    add_channels(file, exr.header(part), part, sources);
+    add_attributes(exr.header(part), result);
+  }
+  if (sources.empty()) reject(file, "an EXR without channels", "at least one channel");
+  if (std::int64_t{result.width} * result.height * static_cast<std::int64_t>(sources.size()) >
+      kMostValues) {
+    reject(file, "more than 2^31 values", "at most 2^31 values, pixels times channels");
+  }
+  std::sort(sources.begin(), sources.end(), [](const Source& a, const Source& b) {
+    return channel_rank(a.channel.name) < channel_rank(b.channel.name);
+  });
+  for (const Source& source : sources) result.channels.push_back(source.channel);
   return result;
 }
 
@@ -219,8 +277,10 @@ class OpenExr {
       Imf::Header::setMaxTileSize(kLongestTileSide_px, kLongestTileSide_px);
       input_ = std::make_unique<Imf::StdIFStream>(stream_, path.c_str());
       file_ = std::make_unique<Imf::MultiPartInputFile>(*input_, 0, false);
-      header = understood(path, file_->header(0));
-      if (!file_->partComplete(0)) reject(path, "a truncated EXR", "a whole file");
+      header = understood(path, *file_, sources);
+      for (int part = 0; part < file_->parts(); ++part) {
+        if (!file_->partComplete(part)) reject(path, "a truncated EXR", "a whole file");
+      }
     });
   }
 
@@ -238,6 +298,7 @@ class OpenExr {
   Imf::MultiPartInputFile& file() { return *file_; }
 
   ExrHeader header;
+  std::vector<Source> sources;  ///< Of its channels, in their order.
 
  private:
   std::filesystem::path path_;
@@ -260,27 +321,34 @@ Image read_exr(const std::filesystem::path& file) {
   image.data_origin = exr.header.data_origin;
   image.full_size = exr.header.full_size;
   image.attributes = exr.header.attributes;
+  image.id_names = exr.header.id_names;
   for (const auto& channel : exr.header.channels) image.channels.push_back(channel.name);
 
+  const std::size_t channels = image.channel_count();
+  const std::size_t row_values = static_cast<std::size_t>(image.width) * channels;
   exr.translated([&] {
-    Imf::InputPart part(exr.file(), 0);
-    const Imath::V2i origin = part.header().dataWindow().min;
-    const std::size_t channels = image.channel_count();
-    const std::size_t row_values = static_cast<std::size_t>(image.width) * channels;
     image.pixels.reserve(row_values * static_cast<std::size_t>(image.height));
+    std::vector<Imf::InputPart> parts;
+    for (int part = 0; part < exr.header.part_count; ++part) parts.emplace_back(exr.file(), part);
     for (int begin = 0; begin < image.height; begin += kRowsAtATime) {
       const int rows = std::min(kRowsAtATime, image.height - begin);
       const std::size_t offset = row_values * static_cast<std::size_t>(begin);
       image.pixels.resize(offset + row_values * static_cast<std::size_t>(rows));
-      Imf::FrameBuffer buffer;
+      std::vector<Imf::FrameBuffer> buffers(parts.size());
       for (std::size_t c = 0; c < channels; ++c) {
-        buffer.insert(image.channels[c],
-                      Imf::Slice::Make(Imf::FLOAT, image.pixels.data() + offset + c,
-                                       Imath::V2i(origin.x, origin.y + begin), image.width, rows,
-                                       channels * sizeof(float), row_values * sizeof(float)));
+        const auto part = static_cast<std::size_t>(exr.sources[c].part);
+        const Imath::V2i origin = parts[part].header().dataWindow().min;
+        buffers[part].insert(
+            exr.sources[c].name_in_part,
+            Imf::Slice::Make(Imf::FLOAT, image.pixels.data() + offset + c,
+                             Imath::V2i(origin.x, origin.y + begin), image.width, rows,
+                             channels * sizeof(float), row_values * sizeof(float)));
       }
-      part.setFrameBuffer(buffer);
-      part.readPixels(origin.y + begin, origin.y + begin + rows - 1);
+      for (std::size_t part = 0; part < parts.size(); ++part) {
+        const int first = parts[part].header().dataWindow().min.y + begin;
+        parts[part].setFrameBuffer(buffers[part]);
+        parts[part].readPixels(first, first + rows - 1);
+      }
     }
   });
   return image;

@@ -1,6 +1,7 @@
 /// Pixel buffers with named channels and attributes.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -14,6 +15,12 @@ namespace abbe {
 /// A value beside the pixels. Vec2f pairs and string lists are not needed so far.
 using Attribute = std::variant<std::string, int, float, double>;
 
+/// What the numbers of an id channel stand for.
+struct IdNames {
+  std::string channel;
+  std::map<std::uint32_t, std::string> names;
+};
+
 /// Float pixels, interleaved: value of channel c at (x, y) is pixels[(y·width + x)·channels + c].
 /// Row 0 is the top row.
 struct Image {
@@ -22,6 +29,7 @@ struct Image {
   std::vector<std::string> channels;
   std::vector<float> pixels;
   std::map<std::string, Attribute> attributes;
+  std::vector<IdNames> id_names;
 
   /// Position of this image in a larger one: a crop keeps the full image as its display window.
   Vec2i data_origin{0, 0};

@@ -14,11 +14,20 @@ namespace abbe {
 /// Attribute of a display image that names the display it is encoded for.
 inline constexpr const char* kDisplayAttribute = "abbe:display";
 
-/// Writes display-referred RGB in [0, 1] (clamped) as PNG, JPEG or TIFF, by the file's suffix, in
-/// 8 bits, rounded to the nearest code; NaN is black. Tagged sRGB unless kDisplayAttribute names
-/// another display; without a date, so that the same pixels give the same bytes. Written beside the
-/// target and renamed. Errors: output Error.
-void write_raster(const std::filesystem::path& file, const Image& rgb_encoded);
+struct RasterOptions {
+  int bits = 8;  ///< 8, or 16 for PNG and TIFF; JPEG has 8 always.
+  /// Adds noise of a triangular density over two codes before rounding: bands in gradients become
+  /// grain, means stay. A pixel's noise follows from its place alone.
+  bool dither = false;
+};
+
+/// Writes display-referred RGB in [0, 1] (clamped) as PNG, JPEG or TIFF, by the file's suffix,
+/// rounded to the nearest code; NaN is black. What display the codes are for is said by
+/// kDisplayAttribute, sRGB without it: in PNG by the chunks cICP, sRGB, gAMA and cHRM. Without a
+/// date, so that the same pixels give the same bytes. Written beside the target and renamed.
+/// Domain: bits 8 or 16. Errors: output Error.
+void write_raster(const std::filesystem::path& file, const Image& rgb_encoded,
+                  const RasterOptions& options = {});
 
 /// A decoded texture: 8-bit files keep their codes, deeper ones become floats in [0, 1].
 struct DecodedTexture {

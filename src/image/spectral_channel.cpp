@@ -9,23 +9,21 @@
 namespace abbe {
 namespace {
 
-constexpr std::string_view kPrefix = "S0.";
+constexpr std::string_view kEmissive = "S0.";
+constexpr std::string_view kReflective = "T.";
 constexpr std::string_view kSuffix = "nm";
 
-}  // namespace
-
-std::string spectral_channel_name(double wavelength_nm) {
+std::string name_of(std::string_view prefix, double wavelength_nm) {
   const auto millionths = static_cast<std::int64_t>(std::llround(wavelength_nm * 1e6));
   std::string decimals = std::to_string(millionths % 1'000'000);
   decimals.insert(0, 6 - decimals.size(), '0');
-  return std::string(kPrefix) + std::to_string(millionths / 1'000'000) + "," + decimals +
+  return std::string(prefix) + std::to_string(millionths / 1'000'000) + "," + decimals +
          std::string(kSuffix);
 }
 
-std::optional<double> spectral_channel_wavelength_nm(const std::string& channel) {
-  std::string_view text = channel;
-  if (!text.starts_with(kPrefix) || !text.ends_with(kSuffix)) return std::nullopt;
-  text.remove_prefix(kPrefix.size());
+std::optional<double> wavelength_in(std::string_view text, std::string_view prefix) {
+  if (!text.starts_with(prefix) || !text.ends_with(kSuffix)) return std::nullopt;
+  text.remove_prefix(prefix.size());
   if (text.size() <= kSuffix.size()) return std::nullopt;
   text.remove_suffix(kSuffix.size());
 
@@ -40,6 +38,24 @@ std::optional<double> spectral_channel_wavelength_nm(const std::string& channel)
   const auto [after, error] = std::from_chars(with_point.data(), end, wavelength_nm);
   if (error != std::errc() || after != end || !std::isfinite(wavelength_nm)) return std::nullopt;
   return wavelength_nm;
+}
+
+}  // namespace
+
+std::string spectral_channel_name(double wavelength_nm) {
+  return name_of(kEmissive, wavelength_nm);
+}
+
+std::optional<double> spectral_channel_wavelength_nm(const std::string& channel) {
+  return wavelength_in(channel, kEmissive);
+}
+
+std::string reflective_channel_name(double wavelength_nm) {
+  return name_of(kReflective, wavelength_nm);
+}
+
+std::optional<double> reflective_channel_wavelength_nm(const std::string& channel) {
+  return wavelength_in(channel, kReflective);
 }
 
 }  // namespace abbe

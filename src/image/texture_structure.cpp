@@ -4,6 +4,8 @@
 #include <array>
 #include <string_view>
 
+#include "image/png_tags.h"
+
 namespace abbe {
 namespace {
 
@@ -22,23 +24,6 @@ std::uint32_t big_endian(Bytes bytes) {
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < 4; ++i) value = value << 8 | bytes[i];
   return value;
-}
-
-constexpr std::array<std::uint32_t, 256> crc_table() {
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t i = 0; i < 256; ++i) {
-    std::uint32_t c = i;
-    for (int bit = 0; bit < 8; ++bit) c = (c & 1u) != 0 ? 0xedb88320u ^ (c >> 1) : c >> 1;
-    table[i] = c;
-  }
-  return table;
-}
-
-std::uint32_t crc_of(Bytes bytes) {
-  static constexpr std::array<std::uint32_t, 256> kTable = crc_table();
-  std::uint32_t c = 0xffffffffu;
-  for (const std::uint8_t byte : bytes) c = kTable[(c ^ byte) & 0xffu] ^ (c >> 8);
-  return c ^ 0xffffffffu;
 }
 
 struct PngHeader {
@@ -76,7 +61,7 @@ std::string png_error(Bytes bytes) {
     const std::uint32_t size = big_endian(bytes);
     if (size > bytes.size() - 12) return "a truncated PNG";
     const std::string type(bytes.begin() + 4, bytes.begin() + 8);
-    if (crc_of(bytes.subspan(4, size + 4)) != big_endian(bytes.subspan(8 + size))) {
+    if (png_crc(bytes.subspan(4, size + 4)) != big_endian(bytes.subspan(8 + size))) {
       return "a PNG with a damaged chunk";
     }
     if (!has_header) {

@@ -5,6 +5,7 @@
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfTiledOutputFile.h>
 #include <gmock/gmock.h>
@@ -110,22 +111,50 @@ TEST(ExrRead, subsampled_channels_are_an_input_error) {
   expect_input_error(folder / "a.exr", "subsampled");
 }
 
-TEST(ExrRead, several_parts_and_deep_data_are_an_input_error) {
+// A file of two parts, 8×8, each of one channel "Y" with a value of its own.
+void write_two_parts(const std::filesystem::path& file, int second_width) {
+  std::vector<Imf::Header> headers{Imf::Header(8, 8), Imf::Header(second_width, 8)};
+  const std::array<const char*, 2> names{"left", "right"};
+  for (std::size_t i = 0; i < 2; ++i) {
+    headers[i].channels().insert("Y", Imf::Channel(Imf::FLOAT));
+    headers[i].setName(names[i]);
+    headers[i].setType(Imf::SCANLINEIMAGE);
+    headers[i].displayWindow() = headers[0].displayWindow();
+  }
+  Imf::MultiPartOutputFile out(file.c_str(), headers.data(), 2);
+  for (int i = 0; i < 2; ++i) {
+    const int width = i == 0 ? 8 : second_width;
+    std::vector<float> values(static_cast<std::size_t>(width) * 8, static_cast<float>(i + 1));
+    Imf::FrameBuffer buffer;
+    buffer.insert("Y", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()), sizeof(float),
+                                  static_cast<std::size_t>(width) * sizeof(float)));
+    Imf::OutputPart part(out, i);
+    part.setFrameBuffer(buffer);
+    part.writePixels(8);
+  }
+}
+
+TEST(ExrRead, parts_of_a_file_make_one_image) {
   const TemporaryFolder folder;
+  write_two_parts(folder / "parts.exr", 8);
+  const Image image = read_exr(folder / "parts.exr");
+  EXPECT_THAT(image.channels, ElementsAre("Y", "right.Y"));
+  EXPECT_EQ(image.at(3, 3, 0), 1.0f);
+  EXPECT_EQ(image.at(3, 3, 1), 2.0f);
+  EXPECT_EQ(read_exr_header(folder / "parts.exr").part_count, 2);
+}
+
+TEST(ExrRead, parts_of_different_sizes_and_deep_data_are_an_input_error) {
+  const TemporaryFolder folder;
+  write_two_parts(folder / "parts.exr", 6);
+  expect_input_error(folder / "parts.exr", "parts of different sizes");
+
   Imf::Header header(8, 8);
   header.channels().insert("Y", Imf::Channel(Imf::HALF));
-  std::vector<Imf::Header> parts{header, header};
-  parts[0].setName("a");
-  parts[1].setName("b");
-  parts[0].setType(Imf::SCANLINEIMAGE);
-  parts[1].setType(Imf::SCANLINEIMAGE);
-  { Imf::MultiPartOutputFile out((folder / "parts.exr").c_str(), parts.data(), 2); }
-  expect_input_error(folder / "parts.exr", "deep data or several parts");
-
   header.setType(Imf::DEEPSCANLINE);
   header.compression() = Imf::ZIPS_COMPRESSION;
   { Imf::DeepScanLineOutputFile out((folder / "deep.exr").c_str(), header); }
-  expect_input_error(folder / "deep.exr", "deep data or several parts");
+  expect_input_error(folder / "deep.exr", "deep data");
 }
 
 // Finds the data window's box in the header and claims another size.

@@ -121,6 +121,85 @@ TEST(Exr, half_rounds_colour_and_keeps_it_finite) {
   EXPECT_EQ(read.pixels[7], 0.1f);
 }
 
+TEST(Exr, lossless_compressions_keep_every_float_in_scan_lines_and_tiles) {
+  const TemporaryFolder folder;
+  const Image image = patterned(37, 600, {"R", "G", "B", "Z"});
+  for (const char* compression : {"none", "rle", "zips", "zip", "piz"}) {
+    for (const int tile_size : {0, 8, 64, 1024}) {
+      write_exr(folder / "a.exr", image, {.compression = compression, .tile_size = tile_size});
+      EXPECT_EQ(read_exr(folder / "a.exr").pixels, image.pixels) << compression << " " << tile_size;
+      const ExrHeader header = read_exr_header(folder / "a.exr");
+      EXPECT_EQ(header.compression, compression);
+      EXPECT_EQ(header.tile_size, tile_size);
+    }
+  }
+}
+
+TEST(Exr, lossy_compressions_keep_colours_close) {
+  const TemporaryFolder folder;
+  Image image = patterned(64, 64, {"R", "G", "B"});
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    image.pixels[i] = 0.5f + 0.4f * std::sin(static_cast<float>(i / 3) * 0.01f);
+  }
+  for (const char* compression : {"pxr24", "b44", "b44a", "dwaa", "dwab"}) {
+    write_exr(folder / "a.exr", image, {.half = true, .compression = compression});
+    const Image read = read_exr(folder / "a.exr");
+    EXPECT_EQ(read_exr_header(folder / "a.exr").compression, compression);
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+      // B44 keeps six bits of a block of 4×4, DWA discards what the eye does not see.
+      ASSERT_NEAR(read.pixels[i], image.pixels[i], 0.03f) << compression;
+    }
+  }
+}
+
+TEST(Exr, parts_hold_colour_spectrum_and_layers_apart_and_read_as_one_image) {
+  const TemporaryFolder folder;
+  Image image =
+      patterned(20, 10,
+                {"R", "G", "B", spectral_channel_name(450.0), spectral_channel_name(550.0),
+                 reflective_channel_name(450.0), "Z", "albedo.B", "albedo.R"});
+  image.attributes["abbe:mode"] = std::string("spectral");
+  for (const int tile_size : {0, 16}) {
+    write_exr(folder / "a.exr", image, {.tile_size = tile_size, .multi_part = true});
+    EXPECT_EQ(read_exr_header(folder / "a.exr").part_count, 4);
+    const Image read = read_exr(folder / "a.exr");
+    EXPECT_EQ(read.channels, image.channels);
+    EXPECT_EQ(read.pixels, image.pixels);
+    EXPECT_EQ(read.attributes.at("abbe:mode"), image.attributes.at("abbe:mode"));
+  }
+}
+
+TEST(Exr, ids_are_whole_numbers_with_names) {
+  const TemporaryFolder folder;
+  Image image = patterned(2, 2, {"R", "G", "B", "objectId"});
+  for (int i = 0; i < 4; ++i) image.at(i % 2, i / 2, 3) = static_cast<float>(i);
+  image.id_names = {{"objectId", {{1, "prism"}, {2, "a name, with: marks"}}}};
+  for (const bool multi_part : {false, true}) {
+    write_exr(folder / "a.exr", image, {.multi_part = multi_part});
+    const Image read = read_exr(folder / "a.exr");
+    EXPECT_EQ(read.pixels, image.pixels);
+    ASSERT_EQ(read.id_names.size(), 1u);
+    EXPECT_EQ(read.id_names[0].channel, "objectId");
+    EXPECT_EQ(read.id_names[0].names, image.id_names[0].names);
+    EXPECT_EQ(read_exr_header(folder / "a.exr").channels.back().type, "uint");
+  }
+}
+
+TEST(Exr, unknown_compression_or_tile_size_is_a_usage_error) {
+  const TemporaryFolder folder;
+  const Image image = patterned(4, 4, {"R", "G", "B"});
+  for (const ExrOptions& options : {ExrOptions{.compression = "lzw"}, ExrOptions{.tile_size = 7},
+                                    ExrOptions{.tile_size = 5000}, ExrOptions{.tile_size = -8}}) {
+    try {
+      write_exr(folder / "a.exr", image, options);
+      FAIL() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.detail().kind, ErrorKind::Usage);
+    }
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
 TEST(Exr, spectral_channels_are_read_by_wavelength_not_as_text) {
   const TemporaryFolder folder;
   const std::vector<std::string> channels{"R",
@@ -185,6 +264,14 @@ TEST(SpectralChannel, wavelength_is_read_back_from_a_name) {
     EXPECT_DOUBLE_EQ(spectral_channel_wavelength_nm(spectral_channel_name(nm)).value(), nm);
   }
   EXPECT_EQ(spectral_channel_wavelength_nm("S0.550nm"), 550.0);
+}
+
+TEST(SpectralChannel, reflectance_has_a_name_of_its_own) {
+  EXPECT_EQ(reflective_channel_name(362.5), "T.362,500000nm");
+  EXPECT_EQ(reflective_channel_wavelength_nm("T.362,500000nm"), 362.5);
+  EXPECT_FALSE(reflective_channel_wavelength_nm("S0.362,500000nm"));
+  // Bispectral ones are something else.
+  EXPECT_FALSE(reflective_channel_wavelength_nm("T.362,500000nm.400,000000nm"));
 }
 
 TEST(SpectralChannel, other_names_have_no_wavelength) {

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "base/error.h"
 #include "image/temporary_folder.h"
@@ -54,22 +55,106 @@ TEST(Raster, same_pixels_give_the_same_bytes) {
   }
 }
 
-TEST(Raster, srgb_is_tagged_and_other_displays_are_not) {
-  const TemporaryFolder folder;
-  const auto is_tagged_srgb = [&](const char* name) {
-    const auto bytes = bytes_of(folder / name);
-    const std::string key = "sRGB";
-    return std::search(bytes.begin(), bytes.end(), key.begin(), key.end()) != bytes.end();
+// The chunks of a PNG before its data, by type.
+std::map<std::string, std::vector<std::uint32_t>> words_of_chunks(
+    const std::vector<std::uint8_t>& png) {
+  std::map<std::string, std::vector<std::uint32_t>> chunks;
+  const auto word = [&png](std::size_t at) {
+    return static_cast<std::uint32_t>(png[at]) << 24 |
+           static_cast<std::uint32_t>(png[at + 1]) << 16 |
+           static_cast<std::uint32_t>(png[at + 2]) << 8 | png[at + 3];
   };
+  for (std::size_t at = 8;;) {
+    const std::uint32_t size = word(at);
+    const std::string type(png.begin() + static_cast<std::ptrdiff_t>(at) + 4,
+                           png.begin() + static_cast<std::ptrdiff_t>(at) + 8);
+    if (type == "IDAT") return chunks;
+    EXPECT_FALSE(chunks.contains(type)) << type << " twice";
+    std::vector<std::uint32_t>& words = chunks[type];
+    for (std::size_t i = 0; i + 4 <= size; i += 4) words.push_back(word(at + 8 + i));
+    at += size + 12;
+  }
+}
+
+TEST(Raster, png_says_what_display_its_codes_are_for) {
+  const TemporaryFolder folder;
   Image image = row_of({0.1f, 0.2f, 0.3f});
-  write_raster(folder / "plain.png", image);
-  image.attributes[kDisplayAttribute] = std::string("sRGB - Display");
-  write_raster(folder / "srgb.png", image);
-  image.attributes[kDisplayAttribute] = std::string("Display P3 - Display");
-  write_raster(folder / "p3.png", image);
-  EXPECT_TRUE(is_tagged_srgb("plain.png"));
-  EXPECT_TRUE(is_tagged_srgb("srgb.png"));
-  EXPECT_FALSE(is_tagged_srgb("p3.png"));
+  const auto chunks_for = [&](const char* display) {
+    if (display != nullptr) image.attributes[kDisplayAttribute] = std::string(display);
+    write_raster(folder / "a.png", image);
+    return words_of_chunks(bytes_of(folder / "a.png"));
+  };
+  // Hundred thousandths: white, red, green, blue. The four bytes of cICP as one number.
+  const std::vector<std::uint32_t> rec709{31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000};
+  for (const char* display : {static_cast<const char*>(nullptr), "sRGB - Display"}) {
+    auto chunks = chunks_for(display);
+    EXPECT_TRUE(chunks.contains("sRGB"));
+    EXPECT_THAT(chunks["gAMA"], ElementsAre(45455));
+    EXPECT_EQ(chunks["cHRM"], rec709);
+    EXPECT_THAT(chunks["cICP"], ElementsAre(0x010d0001));
+  }
+  auto chunks = chunks_for("Display P3 - Display");
+  EXPECT_FALSE(chunks.contains("sRGB"));
+  EXPECT_THAT(chunks["cHRM"], ElementsAre(31270, 32900, 68000, 32000, 26500, 69000, 15000, 6000));
+  EXPECT_THAT(chunks["cICP"], ElementsAre(0x0c0d0001));
+  chunks = chunks_for("Rec.1886 Rec.709 - Display");
+  EXPECT_THAT(chunks["gAMA"], ElementsAre(41667));
+  EXPECT_EQ(chunks["cHRM"], rec709);
+  chunks = chunks_for("Rec.2100-PQ - Display");
+  EXPECT_FALSE(chunks.contains("gAMA"));
+  EXPECT_THAT(chunks["cHRM"], ElementsAre(31270, 32900, 70800, 29200, 17000, 79700, 13100, 4600));
+  EXPECT_THAT(chunks["cICP"], ElementsAre(0x09100001));
+  chunks = chunks_for("A television");
+  for (const char* type : {"sRGB", "cHRM", "cICP"}) EXPECT_FALSE(chunks.contains(type)) << type;
+}
+
+TEST(Raster, sixteen_bits_keep_what_eight_round_away) {
+  const TemporaryFolder folder;
+  const Image image = row_of({0.123456f, 0.5f, 0.999f});
+  for (const char* name : {"a.png", "a.tif"}) {
+    write_raster(folder / name, image, {.bits = 16});
+    const Image read = read_raster(folder / name);
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_NEAR(read.pixels[c], image.pixels[c], 0.51f / 65535.0f) << name;  // half a code
+    }
+  }
+  // JPEG has eight bits whatever is asked for; its codes are those of a colour that it keeps
+  // nearly.
+  write_raster(folder / "a.jpg", image, {.bits = 16});
+  EXPECT_NEAR(read_raster(folder / "a.jpg").pixels[1], 0.5f, 4.0f / 255.0f);
+}
+
+TEST(Raster, dither_keeps_the_mean_and_breaks_the_bands) {
+  const TemporaryFolder folder;
+  std::vector<float> values(3 * 4096, 100.3f / 255.0f);
+  write_raster(folder / "a.png", row_of(values), {.dither = true});
+  write_raster(folder / "b.png", row_of(values), {.dither = true});
+  EXPECT_EQ(bytes_of(folder / "a.png"), bytes_of(folder / "b.png"));
+  const Image read = read_raster(folder / "a.png");
+  double sum = 0.0;
+  std::map<int, int> codes;
+  for (const float value : read.pixels) {
+    sum += static_cast<double>(value) * 255.0;
+    ++codes[static_cast<int>(std::lround(value * 255.0f))];
+  }
+  // Rounding and noise have a deviation of √(1/12 + 1/6) = 0.5 codes: 4.5 of the mean's 0.0045.
+  EXPECT_NEAR(sum / static_cast<double>(read.pixels.size()), 100.3, 0.02);
+  EXPECT_EQ(codes.begin()->first, 99);
+  EXPECT_EQ(codes.rbegin()->first, 101);
+}
+
+TEST(Raster, dither_of_a_crop_is_that_of_the_whole) {
+  const TemporaryFolder folder;
+  write_raster(folder / "whole.png", row_of(std::vector<float>(3 * 64, 0.4f)), {.dither = true});
+  Image crop = row_of(std::vector<float>(3 * 16, 0.4f));
+  crop.data_origin = {20, 0};
+  crop.full_size = {64, 1};
+  write_raster(folder / "crop.png", crop, {.dither = true});
+  const Image whole = read_raster(folder / "whole.png");
+  const Image part = read_raster(folder / "crop.png");
+  for (std::size_t i = 0; i < part.pixels.size(); ++i) {
+    EXPECT_EQ(part.pixels[i], whole.pixels[60 + i]);
+  }
 }
 
 TEST(Raster, only_r_g_b_of_many_channels_are_written) {

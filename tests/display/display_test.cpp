@@ -170,6 +170,12 @@ TEST_F(Display, xyz_of_rec709_white_is_d65) {
   EXPECT_NEAR(image.pixels[2], (1 - 0.3127f - 0.3290f) / 0.3290f, 2e-5f);  // the same
 }
 
+TEST_F(Display, xyz_of_equal_energy_has_its_white_at_1) {
+  Image image = pixel(1.0f, 1.0f, 1.0f);
+  convert_space(image, kRec709, "CIE-XYZ-E", options_for(kRec709, kSrgb, kAces));
+  for (const float v : image.pixels) EXPECT_NEAR(v, 1.0f, 2e-5f);  // matrices of floats
+}
+
 TEST_F(Display, conversion_leaves_other_channels_alone) {
   Image image;
   image.width = 1;

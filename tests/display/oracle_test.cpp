@@ -49,7 +49,11 @@ TEST(DisplayOracle, png_equals_that_of_oiiotool_to_one_code) {
   write_exr(folder / "in.exr", image, {});
   for (const std::string display : {"sRGB - Display", "Rec.1886 Rec.709 - Display",
                                     "Display P3 - Display", "Rec.2100-PQ - Display"}) {
-    for (const std::string view : {"ACES 1.0 - SDR Video", "Un-tone-mapped"}) {
+    std::vector<std::string> views{"ACES 1.0 - SDR Video", "Un-tone-mapped"};
+    views.emplace_back(display.find("PQ") == std::string::npos
+                           ? "Spectral Hue - SDR Video"
+                           : "Spectral Hue - HDR Video (1000 nits)");
+    for (const std::string& view : views) {
       DisplayOptions options;
       options.config = kConfig;
       options.display = display;

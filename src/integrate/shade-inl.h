@@ -15,6 +15,7 @@
 
 #include "integrate/lanes-inl.h"
 #include "integrate/microfacet.h"
+#include "integrate/shading.h"
 #include "optics/fresnel-inl.h"
 #include "world/world.h"
 
@@ -22,26 +23,6 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-/// What a boundary between media is made of, per lane; null pointers mean index 1, no row.
-struct BoundaryRows {
-  const float* n_incident = nullptr;
-  const float* n_transmitted = nullptr;
-  const float* n_medium = nullptr;     ///< Of the medium that light arrives in.
-  const float* conductor_n = nullptr;  ///< Null: no conductor, metals by Schlick's rule.
-  const float* conductor_k = nullptr;
-};
-
-/// What shading found, per lane.
-struct Shading {
-  LaneArray cos_incident;
-  LaneArray eta_ti;
-  LaneArray cos_transmitted;
-  LaneArray k_r, k_t;    ///< Shares of power; k_t includes tint and transmission factor.
-  LaneArray diffuse;     ///< Albedo that is left for diffuse reflection.
-  LaneArray inverse_n2;  ///< 1/n² of the medium of arrival: light added here becomes basic.
-  LaneArray3 reflected, refracted;
-};
 
 template <class D>
 HWY_INLINE VecOf<D> RowOr(D d, const float* row, int i, float otherwise) {
@@ -134,12 +115,6 @@ HWY_INLINE void ShadeLanes(D d, int stride, const BoundaryRows& rows, bool infin
     Store3(d, refracted, out.refracted, i);
   }
 }
-
-/// Direction and distance from every lane to a light.
-struct LightGeometry {
-  LaneArray3 direction;
-  LaneArray distance_m;
-};
 
 /// Light that would reach the camera from one light by direct reflection, per lane, before
 /// visibility: throughput/n² · Φ/r² · f_r · cosθ. Returns whether any lane gets some.

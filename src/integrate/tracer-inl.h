@@ -13,9 +13,11 @@
 #include <utility>
 
 #include "integrate/buffers.h"
+#include "integrate/direct_light-inl.h"
 #include "integrate/integrator.h"
+#include "integrate/material_lanes-inl.h"
 #include "integrate/material_sample.h"
-#include "integrate/passage.h"
+#include "integrate/recorder.h"
 #include "integrate/shade-inl.h"
 #include "integrate/surface_lanes-inl.h"
 #include "math/sampling.h"
@@ -23,15 +25,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
-
-/// What a boundary does to the stack of media.
-enum class Crossing : std::uint8_t {
-  None,    ///< Opaque: there is no other side.
-  Thin,    ///< A sheet in one medium.
-  Enter,   ///< Into the material's medium.
-  Leave,   ///< Out of it.
-  Hidden,  ///< Out of a medium inside which another one has begun: no boundary for light.
-};
 
 template <class D>
 class Tracer {
@@ -46,7 +39,8 @@ class Tracer {
         first_hits_(first_hits),
         stats_(stats),
         b_(buffers),
-        recorder_(recorder),
+        recorder_(world, samples, recorder),
+        lamps_(world, samples, stats, buffers, recorder_),
         stride_(world.lanes.lane_stride()) {}
 
   void run(std::span<float> radiance) {
@@ -141,10 +135,7 @@ class Tracer {
 
   void run_batch(const FanList& list, std::size_t first, std::size_t last, FanList& next) {
     find_hits(list, first, last);
-    b_.shadow_jobs.clear();
-    b_.shadow_data.clear();
-    b_.shadow_rays.clear();
-    b_.shadow_packets.clear();
+    lamps_.start_batch();
     for (std::size_t i = first; i < last; ++i) {
       const Fan& fan = list.fans[i];
       const std::uint32_t query = b_.first_query[i - first];
@@ -157,7 +148,7 @@ class Tracer {
         shade_united(fan, list, b_.hits[query], next);
       }
     }
-    light_up();
+    lamps_.resolve();
   }
 
   void find_hits(const FanList& list, std::size_t first, std::size_t last) {
@@ -241,32 +232,21 @@ class Tracer {
     packet.common_origin = fan.common_origin;
   }
 
-  void splat(LaneArray& a, float value) const {
-    const D d;
-    const auto v = hn::Set(d, value);
-    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) hn::Store(v, d, a.v + i);
-  }
-  void splat(LaneArray3& a, const Vec3f& value) const {
-    splat(a.x, value.x);
-    splat(a.y, value.y);
-    splat(a.z, value.z);
-  }
-
   void shade_united(const Fan& fan, const FanList& list, const Hit& hit, FanList& next) {
     if (!hit.is_hit()) {
-      record_miss(fan, list, fan.lanes);
+      recorder_.miss(fan, list, fan.lanes);
       return;
     }
     SurfacePoint& point = b_.points[0];
     point = surface_point(world_, fan.origin, fan.direction, hit);
     Interaction& at = b_.at;
-    splat(at.position, point.position);
-    splat(at.direction, fan.direction);
-    splat(at.outward, point.normal);
+    Splat(D(), stride_, point.position, at.position);
+    Splat(D(), stride_, fan.direction, at.direction);
+    Splat(D(), stride_, point.normal, at.outward);
     const bool front = glm::dot(fan.direction, point.normal) < 0.0f;
-    splat(at.normal, front ? point.shading_normal : -point.shading_normal);
-    splat(at.offset_m, point.offset_m);
-    splat(at.distance_m, hit.t);
+    Splat(D(), stride_, front ? point.shading_normal : -point.shading_normal, at.normal);
+    Splat(D(), stride_, point.offset_m, at.offset_m);
+    Splat(D(), stride_, hit.t, at.distance_m);
     const float* throughput = list.pool.data() + fan.data;
     std::copy(throughput, throughput + stride_, at.throughput.v);
     if (fan.depth == 0 && !first_hits_.empty()) keep_first_hit(fan, point, hit.t);
@@ -278,7 +258,7 @@ class Tracer {
     const D d;
     load_hits(fan, list, first_packet);
     const LaneMask missed = LanesWith(d, stride_, hits_.primitive, kNoPrimitive, fan.lanes);
-    if (missed.any()) record_miss(fan, list, missed);
+    if (missed.any()) recorder_.miss(fan, list, missed);
     LaneMask left = fan.lanes - missed;
     find_surfaces(left);
     while (left.any()) {
@@ -406,7 +386,8 @@ class Tracer {
     Interaction& at = b_.at;
     const int leader = lanes.front();
     const float path_length_m = fan.path_length_m + at.distance_m[leader];
-    fill_material(fan, lanes, material, path_length_m);
+    FillMaterial(d, world_, samples_[fan.sample], fan, lanes, material, path_length_m, b_.points,
+                 at);
 
     // The medium of arrival and what lies behind the surface.
     Crossing crossing = Crossing::None;
@@ -452,9 +433,8 @@ class Tracer {
       }
     }
 
-    FanRecord* record = start_record(fan, lanes, surface, front);
-    const std::uint32_t record_number =
-        recorder_ != nullptr ? static_cast<std::uint32_t>(recorder_->size()) : 0;
+    recorder_.arrive(fan, lanes, surface, front, at);
+    const std::uint32_t record_number = recorder_.last();
     if (material.alpha_mode != AlphaMode::Opaque) {
       pass_through(fan, lanes, path_length_m, record_number, next);
     }
@@ -463,90 +443,17 @@ class Tracer {
                shading_);
     add_local_light(fan, material, hidden, set);
     if (material.unlit) return;
-    if (record != nullptr) fill_record(*record, crossing, rows);
+    recorder_.shade(crossing, rows, at, shading_);
 
     const bool rough = at.roughness[leader] >= kSmoothRoughness;
     if (!hidden) {
-      send_to_lights(fan, lanes, material, rows, rough, record_number);
+      lamps_.send(fan, lanes, material, rows, shading_, rough, record_number);
       // The coherent ray of a rough opaque dielectric is a faint blur that its lobe stands for.
       const bool coherent = !rough || at.metallic[leader] > 0.0f || at.transmission[leader] > 0.0f;
       if (!coherent) return;
       if (rough) use_microfacets(fan, lanes, rows, material, crossing);
     }
     branch(fan, lanes, crossing, behind, path_length_m, record_number, next);
-  }
-
-  void fill_material(const Fan& fan, const LaneMask& lanes, const SurfaceMaterial& material,
-                     float path_length_m) {
-    const CameraSample& sample = samples_[fan.sample];
-    const float footprint_m = sample.footprint_m + sample.footprint_per_m * path_length_m;
-    const bool varies = material.is_textured() ||
-                        world_.surfaces[b_.points[lanes.front()].surface].colors_offset.has_value();
-    Interaction& at = b_.at;
-    const D d;
-    const int step = static_cast<int>(hn::Lanes(d));
-    const int set = sample.set;
-    const float* base_row = world_.row(material.base_color, set);
-    const float* emission_row = material.emission ? world_.row(*material.emission, set) : nullptr;
-    if (!varies || !fan.spread) {
-      const int leader = fan.spread ? lanes.front() : 0;
-      const MaterialSample here = material_sample(world_, material, b_.points[leader], footprint_m);
-      splat(at.metallic, here.metallic);
-      splat(at.roughness, here.roughness);
-      splat(at.transmission, here.transmission * (here.metallic < 1.0f ? 1.0f : 0.0f));
-      splat(at.alpha, here.alpha);
-      fill_color(here.base_color, base_row, set, at.base_color);
-      if (!material.emission) {
-        splat(at.emission, 0.0f);
-      } else {
-        fill_color(here.emission, emission_row, set, at.emission);
-        if (!here.emission.uses_row && world_.lanes.quadrature() != nullptr) {
-          const float* d65 = world_.row(world_.d65, set);
-          for (int i = 0; i < stride_; i += step) {
-            hn::Store(hn::Mul(hn::Load(d, at.emission.v + i),
-                              hn::Mul(hn::Set(d, here.emission_scale), hn::LoadU(d, d65 + i))),
-                      d, at.emission.v + i);
-          }
-        }
-      }
-      return;
-    }
-    const float* d65 = world_.row(world_.d65, set);
-    for (int lane = 0; lane < stride_; ++lane) {
-      const bool member = lane < world_.lanes.lane_count() && lanes.test(lane);
-      const MaterialSample here =
-          material_sample(world_, material, b_.points[member ? lane : lanes.front()], footprint_m);
-      at.metallic[lane] = here.metallic;
-      at.roughness[lane] = here.roughness;
-      at.transmission[lane] = here.metallic < 1.0f ? here.transmission : 0.0f;
-      at.alpha[lane] = here.alpha;
-      at.base_color[lane] = lane_value(world_, here.base_color, base_row, set, lane);
-      at.emission[lane] = 0.0f;
-      if (!material.emission) continue;
-      at.emission[lane] = lane_value(world_, here.emission, emission_row, set, lane);
-      if (!here.emission.uses_row && world_.lanes.quadrature() != nullptr) {
-        at.emission[lane] *= here.emission_scale * d65[lane];
-      }
-    }
-  }
-
-  void fill_color(const ColorSample& color, const float* row, int set, LaneArray& out) const {
-    const D d;
-    if (color.uses_lookup && world_.lanes.quadrature() == nullptr) {
-      for (int lane = 0; lane < stride_; ++lane)
-        out[lane] = lane_value(world_, color, row, set, lane);
-      return;
-    }
-    const float* abscissa = world_.row(world_.uplift_abscissa, set);
-    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
-      auto value = color.uses_row ? hn::LoadU(d, row + i) : hn::Set(d, 1.0f);
-      if (color.uses_lookup) {
-        value =
-            hn::Mul(value, SigmoidValue(d, hn::Set(d, color.lookup.x), hn::Set(d, color.lookup.y),
-                                        hn::Set(d, color.lookup.z), hn::LoadU(d, abscissa + i)));
-      }
-      hn::Store(value, d, out.v + i);
-    }
   }
 
   // Emission, and ambient light: k_a defaults to the albedo that diffuse reflection has.
@@ -566,121 +473,6 @@ class Tracer {
       const auto throughput =
           hn::Mul(hn::Load(d, b_.at.throughput.v + i), hn::Load(d, shading_.inverse_n2.v + i));
       hn::StoreU(hn::Add(hn::LoadU(d, sum + i), hn::Mul(throughput, light)), d, sum + i);
-    }
-  }
-
-  void send_to_lights(const Fan& fan, const LaneMask& lanes, const SurfaceMaterial& material,
-                      const BoundaryRows& rows, bool rough, std::uint32_t record_number) {
-    const D d;
-    const int set = samples_[fan.sample].set;
-    for (const WorldLight& light : world_.lights) {
-      const std::uint32_t data = static_cast<std::uint32_t>(b_.shadow_data.size());
-      b_.shadow_data.resize(data + 2 * static_cast<std::size_t>(stride_), 1.0f);
-      if (!LightLanes(d, stride_, light, world_.row(light.row, set), rows,
-                      material.index_is_infinite, rough, b_.at, shading_, to_light_,
-                      b_.shadow_data.data() + data)) {
-        b_.shadow_data.resize(data);
-        continue;
-      }
-      ShadowJob job;
-      job.sample = fan.sample;
-      job.data = data;
-      job.record = record_number;
-      job.media = fan.media;
-      job.spread = fan.spread;
-      const float* contribution = b_.shadow_data.data() + data;
-      for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
-        if (lanes.test(lane) && contribution[lane] != 0.0f) job.lanes.set(lane);
-      }
-      if (!job.lanes.any()) {
-        b_.shadow_data.resize(data);
-        continue;
-      }
-      if (!fan.spread) {
-        job.first_query = static_cast<std::uint32_t>(b_.shadow_rays.size());
-        b_.shadow_rays.push_back(shadow_ray(0));
-        ++stats_.shadow_rays;
-      } else {
-        job.first_query = static_cast<std::uint32_t>(b_.shadow_packets.size());
-        for (int block = 0; block * kPacketLanes < stride_; ++block) {
-          add_shadow_packet(job.lanes, block);
-        }
-        stats_.shadow_rays += static_cast<std::uint64_t>(job.lanes.count());
-      }
-      b_.shadow_jobs.push_back(job);
-    }
-  }
-
-  // From just off the surface, on the side of the light, up to the light.
-  Ray shadow_ray(int lane) const {
-    const Vec3f direction = to_light_.direction.get(lane);
-    const Vec3f outward = b_.at.outward.get(lane);
-    const float side = glm::dot(direction, outward) < 0.0f ? -1.0f : 1.0f;
-    const float offset_m = b_.at.offset_m[lane];
-    Ray ray;
-    ray.origin = b_.at.position.get(lane) + (side * offset_m) * outward;
-    ray.direction = direction;
-    ray.t_max = to_light_.distance_m[lane];
-    return ray;
-  }
-
-  void add_shadow_packet(const LaneMask& lanes, int block) {
-    RayPacket& packet = b_.shadow_packets.emplace_back();
-    packet.active = lanes.block16(block);
-    for (int i = 0; i < kPacketLanes; ++i) {
-      const Ray ray = shadow_ray(std::min(block * kPacketLanes + i, stride_ - 1));
-      packet.origin_x[i] = ray.origin.x;
-      packet.origin_y[i] = ray.origin.y;
-      packet.origin_z[i] = ray.origin.z;
-      packet.direction_x[i] = ray.direction.x;
-      packet.direction_y[i] = ray.direction.y;
-      packet.direction_z[i] = ray.direction.z;
-      packet.t_max[i] = ray.t_max;
-    }
-  }
-
-  // All shadow rays of the batch, and the light they let through.
-  void light_up() {
-    if (b_.shadow_jobs.empty()) return;
-    b_.shadow_ray_occluded.resize(b_.shadow_rays.size());
-    b_.shadow_packet_occluded.resize(b_.shadow_packets.size());
-    if (!b_.shadow_rays.empty()) {
-      world_.tree.any_hits(std::span<const Ray>(b_.shadow_rays), kOpaqueBit,
-                           std::span<std::uint8_t>(b_.shadow_ray_occluded));
-    }
-    if (!b_.shadow_packets.empty()) {
-      world_.tree.any_hits(std::span<const RayPacket>(b_.shadow_packets), kOpaqueBit,
-                           std::span<std::uint32_t>(b_.shadow_packet_occluded));
-    }
-    for (const ShadowJob& job : b_.shadow_jobs) {
-      float* visibility = b_.shadow_data.data() + job.data + stride_;
-      for (int lane = 0; lane < stride_; ++lane) {
-        const bool blocked =
-            job.spread ? (b_.shadow_packet_occluded[job.first_query + lane / kPacketLanes] >>
-                          (lane % kPacketLanes)) &
-                             1u
-                       : b_.shadow_ray_occluded[job.first_query] != 0;
-        visibility[lane] = blocked ? 0.0f : 1.0f;
-      }
-    }
-    if (world_.has_transparent) attenuate_by_transparent(world_, samples_, b_, stats_);
-    const D d;
-    for (const ShadowJob& job : b_.shadow_jobs) {
-      const float* light = b_.shadow_data.data() + job.data;
-      const float* visibility = light + stride_;
-      float* sum = b_.direct_light.data() + static_cast<std::size_t>(job.sample) * stride_;
-      for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
-        const auto arrived = hn::Mul(hn::LoadU(d, light + i), hn::LoadU(d, visibility + i));
-        hn::StoreU(hn::Add(hn::LoadU(d, sum + i), arrived), d, sum + i);
-      }
-      if (recorder_ != nullptr && job.record != 0) {
-        float total = 0.0f;
-        for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
-          total += light[lane] * visibility[lane];
-        }
-        (*recorder_)[job.record - 1].direct_light +=
-            total / static_cast<float>(world_.lanes.lane_count());
-      }
     }
   }
 
@@ -708,8 +500,8 @@ class Tracer {
                     basis.to_world(sample_visible_normal(glm::normalize(view), alpha[lane], u)));
     }
     if (!fan.spread) {
-      splat(at.normal, at.normal.get(0));
-      splat(alpha, alpha[0]);
+      Splat(D(), stride_, at.normal.get(0), at.normal);
+      Splat(D(), stride_, alpha[0], alpha);
     }
     const D d;
     ShadeLanes(d, stride_, rows, material.index_is_infinite, false, crossing == Crossing::Thin, at,
@@ -904,96 +696,17 @@ class Tracer {
                                           sample.footprint_m + sample.footprint_per_m * distance_m);
   }
 
-  void record_miss(const Fan& fan, const FanList& list, const LaneMask& missed) {
-    if (recorder_ == nullptr) return;
-    FanRecord record;
-    record.parent = fan.parent_record;
-    record.made_by = fan.made_by;
-    record.was_spread = fan.spread;
-    record.depth = fan.depth;
-    record.weight = fan.weight;
-    const float* pool = list.pool.data() + fan.data;
-    const auto lane_vector = [&](int first_array, int lane) {
-      const float* p = pool + first_array * stride_ + lane;
-      return Vec3f(p[0], p[stride_], p[2 * stride_]);
-    };
-    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
-      if (!missed.test(lane)) continue;
-      LaneRecord& entry = record.lanes.emplace_back();
-      entry.lane = lane;
-      entry.wavelength_nm = wavelength_nm(fan, lane);
-      entry.position = fan.spread ? lane_vector(1, lane) : fan.origin;
-      entry.direction = fan.spread ? lane_vector(4, lane) : fan.direction;
-      entry.throughput = pool[lane];
-    }
-    recorder_->push_back(std::move(record));
-  }
-
-  float wavelength_nm(const Fan& fan, int lane) const {
-    const WavelengthQuadrature* quadrature = world_.lanes.quadrature();
-    return quadrature != nullptr ? quadrature->wavelengths_nm(samples_[fan.sample].set)[lane]
-                                 : 0.0f;
-  }
-
-  FanRecord* start_record(const Fan& fan, const LaneMask& lanes, std::uint32_t surface,
-                          bool front) {
-    if (recorder_ == nullptr) return nullptr;
-    FanRecord& record = recorder_->emplace_back();
-    record.parent = fan.parent_record;
-    record.made_by = fan.made_by;
-    record.was_spread = fan.spread;
-    record.depth = fan.depth;
-    record.weight = fan.weight;
-    record.is_hit = true;
-    record.enters = front;
-    record.surface = surface;
-    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
-      if (!lanes.test(lane)) continue;
-      LaneRecord& entry = record.lanes.emplace_back();
-      entry.lane = lane;
-      entry.wavelength_nm = wavelength_nm(fan, lane);
-      entry.position = b_.at.position.get(lane);
-      entry.direction = b_.at.direction.get(lane);
-      entry.throughput = b_.at.throughput[lane];
-    }
-    return &record;
-  }
-
-  // Exact for small angles too, where the cosine has lost them.
-  static float angle_between(const Vec3f& a, const Vec3f& b) {
-    const Vec3d x(a);
-    const Vec3d y(b);
-    return static_cast<float>(std::atan2(glm::length(glm::cross(x, y)), glm::dot(x, y)));
-  }
-
-  void fill_record(FanRecord& record, Crossing crossing, const BoundaryRows& rows) const {
-    for (LaneRecord& entry : record.lanes) {
-      const int lane = entry.lane;
-      const Vec3f normal = b_.at.normal.get(lane);
-      entry.angle_incident_rad = angle_between(-b_.at.direction.get(lane), normal);
-      entry.n_incident = rows.n_incident != nullptr ? rows.n_incident[lane] : 1.0f;
-      entry.n_transmitted = rows.n_transmitted != nullptr ? rows.n_transmitted[lane] : 1.0f;
-      entry.k_r = shading_.k_r[lane];
-      entry.k_t = crossing == Crossing::None ? 0.0f : shading_.k_t[lane];
-      const bool refracts = crossing == Crossing::Enter || crossing == Crossing::Leave;
-      if (refracts && shading_.k_t[lane] > 0.0f) {
-        entry.angle_refracted_rad = angle_between(shading_.refracted.get(lane), -normal);
-      }
-      entry.local_light = b_.at.emission[lane];
-    }
-  }
-
   const World& world_;
   const IntegratorSettings& settings_;
   std::span<const CameraSample> samples_;
   std::span<FirstHit> first_hits_;
   IntegratorStats& stats_;
   IntegratorScratch::Buffers& b_;
-  std::vector<FanRecord>* recorder_;
+  FanRecorder recorder_;
+  DirectLight<D> lamps_;
   const int stride_;
 
   Shading shading_;
-  LightGeometry to_light_;
   LaneArray reflected_, refracted_;  ///< Throughputs of the children being made.
   LaneArray3 saved_normal_;
 

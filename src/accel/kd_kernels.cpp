@@ -122,11 +122,6 @@ struct ClosestSink {
     stragglers.add(packet, p.index, packet.active & 0xffffu, &p.hits);
     if (stragglers.is_full()) flush();
   }
-  HWY_INLINE void refuse(const RayPacket& packet, std::size_t index) {
-    StoreNothing(hits[index]);
-    stragglers.add(packet, index, packet.active & 0xffffu, nullptr);
-    if (stragglers.is_full()) flush();
-  }
   HWY_NOINLINE void flush() {
     TraceStream<false>(view, mask, ClosestOfStragglers{stragglers, hits, stragglers.count});
     stragglers.count = 0;
@@ -147,10 +142,6 @@ struct AnySink {
     occluded[p.index] = p.met;
     if (p.is_complete()) return;
     stragglers.add(packet, p.index, p.active, nullptr);
-    if (stragglers.is_full()) flush();
-  }
-  HWY_INLINE void refuse(const RayPacket& packet, std::size_t index) {
-    stragglers.add(packet, index, packet.active & 0xffffu, nullptr);
     if (stragglers.is_full()) flush();
   }
   HWY_NOINLINE void flush() {

@@ -75,6 +75,17 @@ HWY_INLINE std::uint32_t NearLine(const TriangleBlock& block, const PacketState&
   return bits;
 }
 
+// All triangles of a block: unused lanes repeat the first's number.
+HWY_INLINE std::uint32_t TrianglesOf(const TriangleBlock& block) {
+  const LaneU d;
+  const auto first = hn::Set(d, block.id[0] & kIdMask);
+  std::uint32_t bits = 1;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
+    bits |= BitsOf(d, hn::Ne(hn::Load(d, block.id + i), first), i);
+  }
+  return bits;
+}
+
 // One triangle against the lanes of a group; the same operations as for a single ray.
 template <bool kAny>
 HWY_INLINE std::uint32_t TestTriangle(const TriangleBlock& block, std::size_t triangle,
@@ -158,13 +169,16 @@ HWY_INLINE void Retire(PacketState& p, std::uint32_t lanes) {
 // and triangles than one of its rays.
 inline constexpr int kPacketBudget = 200;
 inline constexpr int kBlockCost = 2;
+// The same for a packet whose rays go too different ways for the test against their line.
+inline constexpr int kScatteredBudget = 40;
 
 template <bool kAny>
 HWY_INLINE int TestPacketBlock(const KdView& view, const TriangleBlock& block, VisibilityMask mask,
                                PacketState& p) {
   std::uint32_t found = 0;
   int cost = kBlockCost;
-  for (std::uint32_t near = NearLine(block, p); near != 0; near &= near - 1) {
+  for (std::uint32_t near = p.has_line ? NearLine(block, p) : TrianglesOf(block); near != 0;
+       near &= near - 1) {
     const auto triangle = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(near));
     if (view.masks != nullptr && !view.is_visible(block.id[triangle] & kIdMask, mask)) continue;
     for (int g = 0; g < p.group_count; ++g) {
@@ -216,7 +230,7 @@ HWY_INLINE void TestPacketLeaf(const KdView& view, VisibilityMask mask, PacketSt
 inline constexpr std::size_t kPacketsInterleaved = 6;
 
 // Traces all packets with active lanes. sink.finish(p) takes one that is done, or that ran out of
-// its budget; sink.refuse(i) one whose rays go too different ways.
+// its budget.
 template <bool kAny, class Sink>
 HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::size_t count,
                              VisibilityMask mask, Sink& sink) {
@@ -237,12 +251,12 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
       if (p.index < count) sink.finish(packets[p.index], p);
       for (; next < count; ++next) {
         if ((packets[next].active & 0xffffu) == 0) continue;
-        if (StartPacket(view, packets[next], p)) break;
-        sink.refuse(packets[next], next);
+        StartPacket(view, packets[next], p);
+        break;
       }
       if (next == count) continue;
       p.index = next++;
-      p.budget = kPacketBudget;
+      p.budget = p.has_line ? kPacketBudget : kScatteredBudget;
       p.stack.start(view.root, p.tube);
       p.pop();
       PrefetchAll(view, p.current);

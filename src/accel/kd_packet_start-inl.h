@@ -61,7 +61,7 @@ HWY_INLINE void ShearLanes(PacketState& p) {
 }
 
 // Beyond this slope between rays of a packet the tube is too wide to be of use.
-inline constexpr float kWidestSpread = 0.25f;
+inline constexpr float kWidestSpread = 2.0f;
 
 // The line that all rays of the packet are near to. False when they are not near to any.
 HWY_INLINE bool FindLine(PacketState& p, bool common_origin, float reach) {
@@ -123,8 +123,8 @@ HWY_INLINE bool FindLine(PacketState& p, bool common_origin, float reach) {
   return true;
 }
 
-// Makes a packet ready to trace; false when its rays go too different ways.
-HWY_INLINE bool StartPacket(const KdView& view, const RayPacket& packet, PacketState& p) {
+// Makes a packet ready to trace.
+HWY_INLINE void StartPacket(const KdView& view, const RayPacket& packet, PacketState& p) {
   const LaneF d;
   const LaneU du;
   p.active = packet.active & 0xffffu;
@@ -154,7 +154,7 @@ HWY_INLINE bool StartPacket(const KdView& view, const RayPacket& packet, PacketS
     longest = longest > high_d[k] ? longest : high_d[k];
     longest = longest > -low_d[k] ? longest : -low_d[k];
   }
-  if (!FindLine(p, packet.common_origin, reach)) return false;
+  p.has_line = FindLine(p, packet.common_origin, reach);
   for (int k = 0; k < 3; ++k) {
     set_tube_axis(p.tube, k, low_o[k], high_o[k], low_d[k], high_d[k], reach, longest);
   }
@@ -168,7 +168,6 @@ HWY_INLINE bool StartPacket(const KdView& view, const RayPacket& packet, PacketS
   }
   p.farthest = LargestLane(p.hits.t);
   clip_tube(p.tube, view.bounds, p.farthest);
-  return true;
 }
 
 }  // namespace HWY_NAMESPACE

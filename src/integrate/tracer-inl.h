@@ -635,9 +635,8 @@ class Tracer {
       }
       if (middle < 0) continue;
       Splat(d, stride_, shading_.refracted.get(middle), direction);
-      add_child(parent, cluster, FanOrigin::Refracted, behind, direction, false,
-                cluster_throughput, weight_of(cluster_throughput, set), path_length_m,
-                record_number, next);
+      add_child(parent, cluster, FanOrigin::Refracted, behind, direction, false, cluster_throughput,
+                weight_of(cluster_throughput, set), path_length_m, record_number, next);
     }
   }
 

@@ -12,7 +12,7 @@ BUILD_PACKAGES := g++ cmake ninja-build pkg-config libglm-dev libhwy-dev libtbb-
   libopenimageio-dev
 TEST_PACKAGES  := libgtest-dev libgmock-dev librapidcheck-dev qemu-user clang-format-14 \
   openimageio-tools opencolorio-tools openexr
-BENCH_PACKAGES := libembree-dev libbenchmark-dev
+BENCH_PACKAGES := libembree-dev libbenchmark-dev povray
 TIDY_PACKAGES  := clang-format-14 clang-tidy-14
 
 # Objects are reused between clones where ccache is installed.
@@ -51,10 +51,11 @@ test-sanitize: deps-test ## Runs every test under the address and undefined-beha
 	cmake --build --preset $(PRESET) --parallel $(JOBS)
 	ctest --preset $(PRESET) --parallel $(JOBS)
 
-bench: configure deps-bench ## Runs the benchmarks: ratios, measured in one run.
-	cmake $(BUILD) -DABBE_BUILD_BENCHMARKS=ON
-	cmake --build $(BUILD) --parallel $(JOBS) --target abbe_bench
+bench: deps-bench ## Runs the benchmarks: ratios, measured in one run, to out/bench*.json.
+	$(CONFIGURE) -DABBE_BUILD_TESTS=ON -DABBE_BUILD_BENCHMARKS=ON
+	cmake --build $(BUILD) --parallel $(JOBS) --target abbe_bench abbe_render_bench
 	$(BUILD)/tests/bench/abbe_bench
+	$(BUILD)/tests/bench/abbe_render_bench --povray
 
 bless: deps-test ## Renews golden images: make bless CASE=prism_spectral; prints the measured difference.
 	$(CONFIGURE) -DABBE_BUILD_TESTS=ON
@@ -99,7 +100,7 @@ deps-build:
 	$(call install_packages,$(BUILD_PACKAGES))
 deps-test:
 	$(call install_packages,$(BUILD_PACKAGES) $(TEST_PACKAGES))
-deps-bench:
+deps-bench: deps-test
 	$(call install_packages,$(BENCH_PACKAGES))
 deps-tidy:
 	$(call install_packages,$(TIDY_PACKAGES))

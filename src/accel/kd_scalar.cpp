@@ -37,6 +37,12 @@ class Query {
     hit_.t = ray.t_max;
   }
 
+  bool any() {
+    stops_at_first_ = true;
+    traverse();
+    return hit_.is_hit();
+  }
+
   Hit closest() {
     traverse();
     return hit_.is_hit() ? hit_ : Hit{};
@@ -53,6 +59,7 @@ class Query {
     while (top > 0) {
       const StackEntry entry = stack[--top];
       if (entry.t_near > hit_.t) continue;
+      if (stops_at_first_ && hit_.is_hit()) return;
       if (entry.child & kLeafBit) {
         test_leaf(entry.child);
       } else {
@@ -174,12 +181,17 @@ class Query {
   QueryCost& cost_;
   ShearedRay sheared_;
   Hit hit_;
+  bool stops_at_first_ = false;
 };
 
 }  // namespace
 
 Hit closest_hit_scalar(const KdView& view, const Ray& ray, VisibilityMask mask, QueryCost& cost) {
   return Query(view, ray, mask, cost).closest();
+}
+
+bool any_hit_scalar(const KdView& view, const Ray& ray, VisibilityMask mask, QueryCost& cost) {
+  return Query(view, ray, mask, cost).any();
 }
 
 }  // namespace abbe

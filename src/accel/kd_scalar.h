@@ -10,4 +10,7 @@ namespace abbe {
 /// The nearest hit at t in (0, t_max); adds to `cost`.
 Hit closest_hit_scalar(const KdView& view, const Ray& ray, VisibilityMask mask, QueryCost& cost);
 
+/// Whether a ray meets anything; stops behind the first leaf where it does.
+bool any_hit_scalar(const KdView& view, const Ray& ray, VisibilityMask mask, QueryCost& cost);
+
 }  // namespace abbe

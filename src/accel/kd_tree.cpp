@@ -126,6 +126,10 @@ Hit KdTree::closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost
   return closest_hit_scalar(data_->view, ray, mask, cost);
 }
 
+bool KdTree::any_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const {
+  return any_hit_scalar(data_->view, ray, mask, cost);
+}
+
 Box3f KdTree::bounds() const {
   return data_->view.bounds;
 }

@@ -49,6 +49,8 @@ class KdTree {
 
   /// Closest hit of one ray that also counts the work done.
   Hit closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const;
+  /// Whether one ray meets anything, likewise.
+  bool any_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const;
 
   Box3f bounds() const;
   std::size_t bytes() const;  ///< Memory held by the tree, its leaves and its shapes.

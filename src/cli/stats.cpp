@@ -48,8 +48,18 @@ nlohmann::json stats_json(const World& world, const RenderResult& result, const 
   json["rays_per_second"] = rays_per_second(stats, times.render_seconds);
   json["fans"] = {{"united", stats.united_fans},
                   {"spread", stats.spread_fans},
-                  {"lanes_per_spread", share(static_cast<double>(stats.spread_lanes),
-                                             static_cast<double>(stats.spread_fans))}};
+                  {"spread_by_depth", nlohmann::json::array()}};
+  double lanes = 0.0;
+  for (std::size_t depth = 0; depth < IntegratorStats::kDepths; ++depth) {
+    if (stats.spread_fans_at[depth] == 0) continue;
+    const auto fans_here = static_cast<double>(stats.spread_fans_at[depth]);
+    const auto lanes_here = static_cast<double>(stats.spread_lanes_at[depth]);
+    lanes += lanes_here;
+    json["fans"]["spread_by_depth"].push_back({{"depth", depth},
+                                               {"fans", stats.spread_fans_at[depth]},
+                                               {"lanes_per_fan", lanes_here / fans_here}});
+  }
+  json["fans"]["lanes_per_spread"] = share(lanes, static_cast<double>(stats.spread_fans));
   json["queue"] = {{"peak_fans", stats.peak_queued_fans},
                    {"capacity", result.queue_capacity},
                    {"peak_bytes", stats.peak_queue_bytes}};

@@ -23,7 +23,10 @@ void IntegratorStats::add(const IntegratorStats& other) {
   shadow_rays += other.shadow_rays;
   united_fans += other.united_fans;
   spread_fans += other.spread_fans;
-  spread_lanes += other.spread_lanes;
+  for (std::size_t depth = 0; depth < kDepths; ++depth) {
+    spread_fans_at[depth] += other.spread_fans_at[depth];
+    spread_lanes_at[depth] += other.spread_lanes_at[depth];
+  }
   peak_queued_fans = std::max(peak_queued_fans, other.peak_queued_fans);
   peak_queue_bytes = std::max(peak_queue_bytes, other.peak_queue_bytes);
   weight_started += other.weight_started;

@@ -17,6 +17,14 @@ struct IntegratorSettings {
   int max_depth = 16;    ///< Most surfaces a path may leave.
   float cutoff = 1e-4f;  ///< Weight below which a fan no longer branches, 0 to branch always.
   bool drop = false;     ///< Whitted's plain rule: below the cutoff a fan ends, its energy is lost.
+  /// For heat maps: whether the work of each sample is counted, every ray by itself.
+  bool counts_cost = false;
+  /// For comparison only: 0 lets spread fans travel as packets. Otherwise a fan that would spread
+  /// splits into united fans of this many neighbouring lanes, which follow the middle one: 1 is a
+  /// ray for each wavelength, more are clusters of wavelengths.
+  /// Source: Evans & McCool, Stratified wavelength clusters for efficient spectral Monte Carlo
+  ///         rendering, Graphics Interface 1999.
+  int cluster_lanes = 0;
 };
 
 /// Fans that are traced and shaded together.
@@ -50,6 +58,7 @@ struct FirstHit {
   std::uint32_t object = 0;
   std::uint32_t material = 0;
   Vec3f albedo_rec709{0.0f};
+  QueryCost cost;  ///< Of all the sample's rays, if it is counted.
 };
 
 /// Counts of what was done, summed over threads by the caller.
@@ -57,7 +66,9 @@ struct IntegratorStats {
   std::uint64_t camera_rays = 0, reflected_rays = 0, refracted_rays = 0, passed_rays = 0,
                 shadow_rays = 0;
   std::uint64_t united_fans = 0, spread_fans = 0;
-  std::uint64_t spread_lanes = 0;  ///< Lanes alive in spread fans; over spread_fans: occupancy.
+  /// Spread fans and the lanes alive in them by depth, the last entry for all that is deeper.
+  static constexpr std::size_t kDepths = 33;
+  std::array<std::uint64_t, kDepths> spread_fans_at{}, spread_lanes_at{};
   std::uint64_t peak_queued_fans = 0;
   std::uint64_t peak_queue_bytes = 0;
   double weight_started = 0.0;         ///< Sum of the camera fans' weights.

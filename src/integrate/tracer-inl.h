@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "integrate/buffers.h"
+#include "integrate/cost.h"
 #include "integrate/direct_light-inl.h"
 #include "integrate/integrator.h"
 #include "integrate/material_lanes-inl.h"
@@ -135,19 +136,23 @@ class Tracer {
 
   void run_batch(const FanList& list, std::size_t first, std::size_t last, FanList& next) {
     find_hits(list, first, last);
+    if (settings_.counts_cost) count_fan_cost(world_, list, first, last, first_hits_);
     lamps_.start_batch();
     for (std::size_t i = first; i < last; ++i) {
       const Fan& fan = list.fans[i];
       const std::uint32_t query = b_.first_query[i - first];
       if (fan.spread) {
         ++stats_.spread_fans;
-        stats_.spread_lanes += static_cast<std::uint64_t>(fan.lanes.count());
+        const auto depth = std::min<std::size_t>(fan.depth, IntegratorStats::kDepths - 1);
+        ++stats_.spread_fans_at[depth];
+        stats_.spread_lanes_at[depth] += static_cast<std::uint64_t>(fan.lanes.count());
         shade_spread(fan, list, query, next);
       } else {
         ++stats_.united_fans;
         shade_united(fan, list, b_.hits[query], next);
       }
     }
+    if (settings_.counts_cost) count_shadow_cost(world_, b_, first_hits_);
     lamps_.resolve();
   }
 
@@ -596,12 +601,42 @@ class Tracer {
     if (refracted_weight > 0.0f) {
       const bool straight = crossing == Crossing::Thin || crossing == Crossing::Hidden;
       const bool spreads = fan.spread || (!straight && !same_in_all_lanes(lanes));
-      add_child(fan, lanes, FanOrigin::Refracted, behind, shading_.refracted, spreads, refracted,
-                refracted_weight, path_length_m, record_number, next);
+      if (spreads && settings_.cluster_lanes > 0) {
+        add_clusters(fan, lanes, behind, refracted, path_length_m, record_number, next);
+      } else {
+        add_child(fan, lanes, FanOrigin::Refracted, behind, shading_.refracted, spreads, refracted,
+                  refracted_weight, path_length_m, record_number, next);
+      }
     }
     if (reflected_weight > 0.0f) {
       add_child(fan, lanes, FanOrigin::Reflected, fan.media, shading_.reflected, fan.spread,
                 reflected, reflected_weight, path_length_m, record_number, next);
+    }
+  }
+
+  // The refracted fan as clusters of neighbouring lanes, each along the way of its middle one.
+  void add_clusters(const Fan& parent, const LaneMask& lanes, const MediumStack& behind,
+                    const LaneArray& throughput, float path_length_m, std::uint32_t record_number,
+                    FanList& next) {
+    const D d;
+    const int set = samples_[parent.sample].set;
+    LaneArray3 direction;
+    LaneArray cluster_throughput;
+    for (int first = 0; first < world_.lanes.lane_count(); first += settings_.cluster_lanes) {
+      const int last = std::min(first + settings_.cluster_lanes, world_.lanes.lane_count());
+      LaneMask cluster;
+      int middle = -1;
+      Splat(d, stride_, 0.0f, cluster_throughput);
+      for (int lane = first; lane < last; ++lane) {
+        if (!lanes.test(lane) || !(throughput[lane] > 0.0f)) continue;
+        cluster.set(lane);
+        cluster_throughput[lane] = throughput[lane];
+        if (middle < 0 || lane <= (first + last) / 2) middle = lane;
+      }
+      if (middle < 0) continue;
+      Splat(d, stride_, shading_.refracted.get(middle), direction);
+      add_child(parent, cluster, FanOrigin::Refracted, behind, direction, false, cluster_throughput,
+                weight_of(cluster_throughput, set), path_length_m, record_number, next);
     }
   }
 

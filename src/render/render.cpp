@@ -81,6 +81,7 @@ std::vector<std::string> aov_channel_names(const std::string& group) {
   if (group == "P" || group == "N") return {group + ".X", group + ".Y", group + ".Z"};
   if (group == "albedo") return {"albedo.R", "albedo.G", "albedo.B"};
   if (group == "UV") return {"UV.U", "UV.V"};
+  if (group == "cost") return {"cost.nodes", "cost.triangles"};
   return {group};
 }
 
@@ -97,6 +98,9 @@ void append_aov(const std::string& group, const FirstHit& hit, const Vec3f& eye,
     append3(hit.albedo_rec709);
   } else if (group == "UV") {
     out.insert(out.end(), {hit.uv.x, hit.uv.y});
+  } else if (group == "cost") {
+    out.insert(out.end(),
+               {static_cast<float>(hit.cost.nodes), static_cast<float>(hit.cost.primitives)});
   } else if (group == "objectId") {
     // 0 is nothing; floats hold whole numbers up to 2^24 exactly.
     out.push_back(hit.is_hit ? static_cast<float>(hit.object + 1) : 0.0f);
@@ -128,7 +132,10 @@ class Renderer {
         film_(film_options(settings, source_.filter())),
         integrator_{.max_depth = settings.max_depth,
                     .cutoff = static_cast<float>(settings.cutoff),
-                    .drop = settings.drop},
+                    .drop = settings.drop,
+                    .counts_cost = std::find(settings.aovs.begin(), settings.aovs.end(), "cost") !=
+                                   settings.aovs.end(),
+                    .cluster_lanes = settings.cluster_lanes},
         eye_(Vec3d(camera.to_world[3])),
         forward_(-glm::normalize(Vec3d(camera.to_world[2]))) {}
 
@@ -155,7 +162,7 @@ class Renderer {
     });
     RenderResult result;
     for (const Worker& worker : workers) result.stats.add(worker.stats);
-    result.image = film_.develop({.xyz_to_rec709 = world_.lanes.film_to_rec709()});
+    result.image = film_.develop({.xyz_to_rec709 = world_.lanes.development().xyz_to_rec709});
     result.complete = complete.load();
     result.queue_capacity = queue_capacity(integrator_, kWaveSamples, world_.lanes.lane_count());
     result.dropped_samples = film_.dropped_sample_count();

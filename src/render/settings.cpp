@@ -59,7 +59,7 @@ void check_wavelengths(const RenderSettings& settings) {
 }  // namespace
 
 std::vector<std::string> aov_names() {
-  return {"Z", "P", "N", "albedo", "UV", "objectId", "materialId"};
+  return {"Z", "P", "N", "albedo", "UV", "objectId", "materialId", "cost"};
 }
 
 void check_settings(const RenderSettings& settings) {

@@ -28,9 +28,10 @@ struct RenderSettings {
   std::uint32_t seed = 0;
   std::vector<std::string> aovs;  ///< Groups of extra channels, of aov_names().
   int threads = 0;                ///< 0: all cores. Never shapes the image.
+  int cluster_lanes = 0;          ///< IntegratorSettings::cluster_lanes: benchmarks only.
 };
 
-/// Groups of extra channels: Z, P, N, albedo, UV, objectId, materialId.
+/// Groups of extra channels: Z, P, N, albedo, UV, objectId, materialId, cost.
 std::vector<std::string> aov_names();
 
 /// Errors: usage Error for values out of range, unknown names and contradictions.

@@ -64,7 +64,6 @@ const WrongUsage kWrong[] = {
     {"bands", render_with({"--bands", "400:700"}), "--bands"},
     {"wavelengths", render_with({"--wavelengths", "65"}), "1 to 64"},
     {"aov_unknown", render_with({"--aov", "Z,depth"}), "objectId"},
-    {"aov_of_later", render_with({"--aov", "cost"}), "cost"},
     {"crop_outside", render_with({"--size", "8x8", "--crop", "0,0,9,8"}), "--crop"},
     {"crop_empty", render_with({"--size", "8x8", "--crop", "4,4,4,8"}), "--crop"},
     {"camera", render_with({"--camera", "none"}), "eye"},

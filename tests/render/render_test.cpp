@@ -193,5 +193,24 @@ TEST(RenderTest, extra_channels_tell_depth_position_and_ids) {
   EXPECT_EQ(test::pixel(image, 4, 4, "materialId"), 2.0f);
 }
 
+TEST(RenderTest, cost_of_a_pixel_is_the_work_of_its_rays_traced_alone) {
+  Scene scene;
+  test::add_box_mesh(scene, test::add(scene, test::emitter(Vec3f(1.0f))), {1, 2, 3}, Mat4d(1.0));
+  scene.cameras.push_back(test::perspective_camera({0, 0, 12}, {0, 0, 0}, 40.0));
+  RenderSettings settings = test::small_settings();
+  settings.aovs = {"cost"};
+  const World world = test::make_world(scene, settings);
+  const Image image = render(world, scene.cameras.front(), settings).image;
+  for (const int x : {0, 4}) {
+    const CameraSample sample = camera_sample(world, scene.cameras.front(), settings, {x, 4}, 0);
+    QueryCost cost;
+    world.tree.closest_hit_with_cost({sample.origin, kInfinity, sample.direction}, kAllBits, cost);
+    // One sample a pixel; its emitter sends no further ray and no lamp asks for a shadow.
+    EXPECT_EQ(test::pixel(image, x, 4, "cost.nodes"), static_cast<float>(cost.nodes));
+    EXPECT_EQ(test::pixel(image, x, 4, "cost.triangles"), static_cast<float>(cost.primitives));
+  }
+  EXPECT_GT(test::pixel(image, 4, 4, "cost.triangles"), 0.0f);
+}
+
 }  // namespace
 }  // namespace abbe

@@ -1,0 +1,49 @@
+#include "integrate/cost.h"
+
+namespace abbe {
+
+void count_fan_cost(const World& world, const FanList& list, std::size_t first, std::size_t last,
+                    std::span<FirstHit> first_hits) {
+  const int stride = world.lanes.lane_stride();
+  for (std::size_t i = first; i < last; ++i) {
+    const Fan& fan = list.fans[i];
+    QueryCost& cost = first_hits[fan.sample].cost;
+    if (!fan.spread) {
+      const Ray ray{fan.origin, kInfinity, fan.direction};
+      world.tree.closest_hit_with_cost(ray, kAllBits, cost);
+      continue;
+    }
+    const auto lane_vector = [&](int first_array, int lane) {
+      const float* p = list.pool.data() + fan.data + first_array * stride + lane;
+      return Vec3f(p[0], p[stride], p[2 * stride]);
+    };
+    for (int lane = 0; lane < world.lanes.lane_count(); ++lane) {
+      if (!fan.lanes.test(lane)) continue;
+      const Ray ray{lane_vector(1, lane), kInfinity, lane_vector(4, lane)};
+      world.tree.closest_hit_with_cost(ray, kAllBits, cost);
+    }
+  }
+}
+
+void count_shadow_cost(const World& world, const IntegratorScratch::Buffers& buffers,
+                       std::span<FirstHit> first_hits) {
+  for (const ShadowJob& job : buffers.shadow_jobs) {
+    QueryCost& cost = first_hits[job.sample].cost;
+    if (!job.spread) {
+      world.tree.any_hit_with_cost(buffers.shadow_rays[job.first_query], kOpaqueBit, cost);
+      continue;
+    }
+    for (int lane = 0; lane < world.lanes.lane_count(); ++lane) {
+      if (!job.lanes.test(lane)) continue;
+      const auto block = static_cast<std::uint32_t>(lane / kPacketLanes);
+      const RayPacket& p = buffers.shadow_packets[job.first_query + block];
+      const int k = lane % kPacketLanes;
+      const Ray ray{{p.origin_x[k], p.origin_y[k], p.origin_z[k]},
+                    p.t_max[k],
+                    {p.direction_x[k], p.direction_y[k], p.direction_z[k]}};
+      world.tree.any_hit_with_cost(ray, kOpaqueBit, cost);
+    }
+  }
+}
+
+}  // namespace abbe

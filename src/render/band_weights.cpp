@@ -1,86 +1,94 @@
 #include "render/band_weights.h"
 
 #include <algorithm>
+#include <map>
 
 namespace abbe {
+namespace {
 
-BandWeights::BandWeights(const WavelengthQuadrature& quadrature, const BandOptions& bands,
-                         int samples_per_pixel)
-    : quadrature_(quadrature),
-      bands_(bands),
-      samples_(static_cast<float>(samples_per_pixel)),
-      total_(static_cast<std::size_t>(bands.count)) {
-  const int stride = quadrature.lane_stride();
-  band_of_.assign(static_cast<std::size_t>(quadrature.set_count()) * stride, -1);
-  for (int set = 0; set < quadrature.set_count(); ++set) {
-    const std::span<const float> nm = quadrature.wavelengths_nm(set);
-    for (int lane = 0; lane < quadrature.lane_count(); ++lane) {
-      const std::optional<int> band = bands.index_of(static_cast<double>(nm[lane]));
-      if (band) band_of_[static_cast<std::size_t>(set) * stride + lane] = *band;
-    }
-  }
+/// A wavelength at which light is known.
+struct Node {
+  double nm = 0.0;
+  int set = 0;
+  int lane = 0;
+};
+
+// ∫ over [a, b] of the hat that is 1 at `here` and 0 at `other`, both ends of it within them.
+double part_of_hat(double here, double other, double a, double b) {
+  const double width = other - here;
+  const auto height = [&](double nm) { return 1.0 - (nm - here) / width; };
+  return 0.5 * (height(a) + height(b)) * (b - a);
 }
 
-void BandWeights::set_pixel(std::span<const int> sets) {
-  std::fill(total_.begin(), total_.end(), 0.0f);
-  const int stride = quadrature_.lane_stride();
-  for (const int set : sets) {
-    const std::span<const float> weights = quadrature_.weights_nm(set);
-    const int* band_of = band_of_.data() + static_cast<std::size_t>(set) * stride;
-    for (int lane = 0; lane < quadrature_.lane_count(); ++lane) {
-      if (band_of[lane] >= 0 && quadrature_.kinds()[lane] == LaneKind::Continuous) {
-        total_[band_of[lane]] += weights[lane];
+}  // namespace
+
+BandWeights::BandWeights(const WavelengthQuadrature& quadrature, const BandOptions& bands,
+                         std::span<const int> sets) {
+  std::map<int, int> uses;
+  for (const int set : sets) ++uses[set];
+  std::vector<Node> nodes;
+  entries_.resize(static_cast<std::size_t>(quadrature.set_count()));
+  const auto samples = static_cast<double>(sets.size());
+  for (const auto& [set, count] : uses) {
+    const std::span<const float> nm = quadrature.wavelengths_nm(set);
+    for (int lane = 0; lane < quadrature.lane_count(); ++lane) {
+      const double at_nm = static_cast<double>(nm[static_cast<std::size_t>(lane)]);
+      if (quadrature.kinds()[static_cast<std::size_t>(lane)] == LaneKind::Continuous) {
+        nodes.push_back({at_nm, set, lane});
+      } else if (const auto band = bands.index_of(at_nm)) {
+        // Every sample has every line: the mean over the samples is the line.
+        entries_[static_cast<std::size_t>(set)].push_back(
+            {lane, *band,
+             static_cast<float>(1.0 / bands.step_nm) *
+                 quadrature.weights_nm(set)[static_cast<std::size_t>(lane)]});
       }
     }
   }
-  empty_.clear();
-  for (int band = 0; band < bands_.count; ++band) {
-    if (!(total_[band] > 0.0f)) empty_.push_back(band);
+  std::sort(nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.nm < b.nm; });
+
+  // Adds `share(low, high)`, an integral, of a node to all bands that [from, to] meets.
+  const auto add = [&](const Node& node, double from, double to, const auto& share) {
+    from = std::max(from, bands.low_nm(0));
+    to = std::min(to, bands.low_nm(bands.count));
+    for (int band = bands.index_of(from).value_or(bands.count); band < bands.count; ++band) {
+      const double low = std::max(from, bands.low_nm(band));
+      const double high = std::min(to, bands.low_nm(band + 1));
+      if (!(low < high)) break;
+      const double weight = share(low, high) / bands.step_nm * samples / uses[node.set];
+      auto& entries = entries_[static_cast<std::size_t>(node.set)];
+      if (!entries.empty() && entries.back().lane == node.lane && entries.back().band == band) {
+        entries.back().weight += static_cast<float>(weight);
+      } else {
+        entries.push_back({node.lane, band, static_cast<float>(weight)});
+      }
+    }
+  };
+  const auto whole = [](double low, double high) { return high - low; };
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Node& node = nodes[i];
+    if (i == 0) {
+      add(node, quadrature.range_min_nm(), node.nm, whole);
+    } else {
+      add(node, nodes[i - 1].nm, node.nm, [&](double low, double high) {
+        return part_of_hat(node.nm, nodes[i - 1].nm, low, high);
+      });
+    }
+    if (i + 1 == nodes.size()) {
+      add(node, node.nm, quadrature.range_max_nm(), whole);
+    } else {
+      add(node, node.nm, nodes[i + 1].nm, [&](double low, double high) {
+        return part_of_hat(node.nm, nodes[i + 1].nm, low, high);
+      });
+    }
   }
 }
 
 void BandWeights::apply(int set, std::span<const float> radiance, std::span<float> bands) const {
   std::fill(bands.begin(), bands.end(), 0.0f);
-  const int stride = quadrature_.lane_stride();
-  const std::span<const float> weights = quadrature_.weights_nm(set);
-  const std::span<const float> nm = quadrature_.wavelengths_nm(set);
-  const int* band_of = band_of_.data() + static_cast<std::size_t>(set) * stride;
-  int last_continuous = -1;
-  std::size_t next_empty = 0;
-  // Continuous lanes come in order of wavelength: empty bands are filled while passing by.
-  const auto fill_empty_below = [&](int lane) {
-    while (next_empty < empty_.size()) {
-      const double center_nm = bands_.center_nm(empty_[next_empty]);
-      if (lane >= 0 && center_nm >= static_cast<double>(nm[lane])) return;
-      float value = 0.0f;
-      if (last_continuous >= 0 && lane >= 0) {
-        const double span_nm =
-            static_cast<double>(nm[lane]) - static_cast<double>(nm[last_continuous]);
-        const float f = span_nm > 0.0
-                            ? static_cast<float>(
-                                  (center_nm - static_cast<double>(nm[last_continuous])) / span_nm)
-                            : 0.0f;
-        value = (1.0f - f) * radiance[last_continuous] + f * radiance[lane];
-      } else if (lane >= 0) {
-        value = radiance[lane];
-      } else if (last_continuous >= 0) {
-        value = radiance[last_continuous];
-      }
-      bands[empty_[next_empty++]] += value;
-    }
-  };
-  for (int lane = 0; lane < quadrature_.lane_count(); ++lane) {
-    const int band = band_of[lane];
-    if (quadrature_.kinds()[lane] != LaneKind::Continuous) {
-      if (band >= 0)
-        bands[band] += radiance[lane] * weights[lane] / static_cast<float>(bands_.step_nm);
-      continue;
-    }
-    fill_empty_below(lane);
-    last_continuous = lane;
-    if (band >= 0) bands[band] += radiance[lane] * weights[lane] * samples_ / total_[band];
+  for (const Entry& entry : entries_[static_cast<std::size_t>(set)]) {
+    bands[static_cast<std::size_t>(entry.band)] +=
+        entry.weight * radiance[static_cast<std::size_t>(entry.lane)];
   }
-  fill_empty_below(-1);
 }
 
 }  // namespace abbe

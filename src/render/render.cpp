@@ -119,8 +119,6 @@ struct Worker {
   std::vector<float> radiance;
   std::vector<FirstHit> first_hits;
   std::vector<float> bands, aovs;
-  std::vector<int> sets;
-  std::optional<BandWeights> band_weights;
 };
 
 class Renderer {
@@ -137,7 +135,14 @@ class Renderer {
                                    settings.aovs.end(),
                     .cluster_lanes = settings.cluster_lanes},
         eye_(Vec3d(camera.to_world[3])),
-        forward_(-glm::normalize(Vec3d(camera.to_world[2]))) {}
+        forward_(-glm::normalize(Vec3d(camera.to_world[2]))) {
+    if (!settings.bands) return;
+    std::vector<int> sets;
+    for (int s = 0; s < settings.samples_per_pixel; ++s) {
+      sets.push_back(source_.set_of(static_cast<std::uint32_t>(s)));
+    }
+    band_weights_.emplace(*world.lanes.quadrature(), *settings.bands, sets);
+  }
 
   RenderResult run(const ProgressCallback& progress, const CancelFlag* cancel) {
     const auto start = std::chrono::steady_clock::now();
@@ -247,7 +252,7 @@ class Renderer {
       xyz.y += static_cast<double>(weights[stride + lane]) * value;
       xyz.z += static_cast<double>(weights[2 * stride + lane]) * value;
     }
-    fill_bands(worker, i, set, radiance);
+    fill_bands(worker, set, radiance);
     worker.aovs.clear();
     for (const std::string& group : settings_.aovs) {
       append_aov(group, worker.first_hits[i], eye_, forward_, worker.aovs);
@@ -255,25 +260,14 @@ class Renderer {
     film_.add(worker.pixels[i], worker.weights[i], Vec3f(xyz), worker.bands, worker.aovs);
   }
 
-  void fill_bands(Worker& worker, std::size_t i, int set, std::span<const float> radiance) {
+  void fill_bands(Worker& worker, int set, std::span<const float> radiance) {
     if (!settings_.wavelengths.exact_nm.empty()) {
       worker.bands.assign(radiance.begin(), radiance.begin() + world_.lanes.lane_count());
       return;
     }
     if (!settings_.bands) return;
-    if (!worker.band_weights) {
-      worker.band_weights.emplace(*world_.lanes.quadrature(), *settings_.bands,
-                                  settings_.samples_per_pixel);
-    }
-    if (i == 0 || worker.pixels[i] != worker.pixels[i - 1]) {
-      worker.sets.clear();
-      for (int s = 0; s < settings_.samples_per_pixel; ++s) {
-        worker.sets.push_back(source_.set_of(static_cast<std::uint32_t>(s)));
-      }
-      worker.band_weights->set_pixel(worker.sets);
-    }
     worker.bands.resize(static_cast<std::size_t>(settings_.bands->count));
-    worker.band_weights->apply(set, radiance, worker.bands);
+    band_weights_->apply(set, radiance, worker.bands);
   }
 
   const World& world_;
@@ -282,6 +276,7 @@ class Renderer {
   Film film_;
   IntegratorSettings integrator_;
   Vec3f eye_, forward_;
+  std::optional<BandWeights> band_weights_;
 };
 
 }  // namespace

@@ -57,6 +57,10 @@ class WavelengthQuadrature {
   /// midpoint rule, for light that begins or ends within a stratum.
   static std::uint32_t centred_scramble(int samples);
 
+  /// The part of the spectrum that is rendered.
+  double range_min_nm() const { return range_min_nm_; }
+  double range_max_nm() const { return range_max_nm_; }
+
   /// Shape: lane_stride values per set. Padding repeats the last wavelength.
   std::span<const float> wavelengths_nm(int set) const;
   /// Quadrature weights in nm (1 for lines, 0 for padding): ∫ f dλ ≈ Σ weight·f.

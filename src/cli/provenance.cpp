@@ -51,23 +51,19 @@ void add_wavelengths(const RenderSettings& settings, std::map<std::string, Attri
 
 }  // namespace
 
-std::map<std::string, Attribute> provenance(const PreparedScene& prepared, const World& world,
+std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
                                             const RenderSettings& settings,
                                             const std::string& color_space, bool is_complete) {
-  const Observer& observer = world.lanes.observer();
   std::map<std::string, Attribute> out;
   out["abbe:version"] = std::string(ABBE_VERSION);
   out["abbe:isa"] = isa_level();
   out["abbe:complete"] = is_complete ? 1 : 0;
   out["abbe:mode"] = mode_name(settings.mode);
 
-  out["abbe:observer"] =
-      fmt::format("{}, integral of y-bar {:.6f} nm", observer.id, integral(observer.y_bar));
   out["abbe:illuminant"] = illuminant_text(prepared.scene);
   out["abbe:uplift"] = settings.mode == Mode::Spectral ? std::string("Jakob-Hanika 2019, Rec.709")
                                                        : std::string("none");
   out["abbe:primaries"] = color_space;
-  out["abbe:white"] = std::string("D65 adapted to xy 0.3127, 0.3290 by CAT16");
   out["abbe:unit"] = std::string("D65 at 1 cd/m2 is 1, 1, 1");
 
   out["abbe:sceneHash"] = prepared.scene.content_hash;

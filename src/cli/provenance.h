@@ -13,7 +13,7 @@ namespace abbe {
 
 /// Attributes of a rendered image: everything that shapes it, and nothing else: no paths, dates,
 /// thread counts or command lines, so that the same settings give the same bytes.
-std::map<std::string, Attribute> provenance(const PreparedScene& prepared, const World& world,
+std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
                                             const RenderSettings& settings,
                                             const std::string& color_space, bool is_complete);
 

@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/development_options.h"
 #include "cli/interrupt.h"
 #include "cli/options.h"
 #include "cli/outputs.h"
@@ -36,6 +37,7 @@ double seconds_since(Clock::time_point start) {
 struct RenderArguments {
   SceneOptions scene;
   DisplayArguments display;
+  DevelopmentArguments development;
   std::vector<std::string> outputs;
   std::string bands, crop, aovs, stats_file;
   std::string color_space = kRenderSpace;
@@ -126,13 +128,20 @@ ExitCode run_render(RenderArguments& arguments) {
   Notes notes;
   const Catalogue catalogue = Catalogue::standard();
   const Standards standards = read_standards(catalogue);
+  // What is wrong is said before minutes of loading.
+  if (arguments.development.white != "scene") {
+    (void)development_options(arguments.development, catalogue, standards, nullptr);
+  }
   const PreparedScene prepared = prepare_scene(arguments.scene, catalogue, notes);
   settle_size(arguments.scene, prepared.chosen_camera());
   times.load_seconds = seconds_since(start);
 
-  const World world =
-      make_world(prepared.scene, {.mode = settings.mode, .wavelengths = settings.wavelengths},
-                 standards.observer, standards.d65, notes);
+  const DevelopmentOptions development =
+      development_options(arguments.development, catalogue, standards, &prepared);
+  const World world = make_world(
+      prepared.scene,
+      {.mode = settings.mode, .wavelengths = settings.wavelengths, .development = development},
+      standards.observer, standards.d65, notes);
   times.build_seconds = world.build_seconds;
 
   const InterruptGuard interrupt;
@@ -149,8 +158,8 @@ ExitCode run_render(RenderArguments& arguments) {
   }
 
   const Clock::time_point write_start = Clock::now();
-  result.image.attributes =
-      provenance(prepared, world, settings, arguments.color_space, result.complete);
+  result.image.attributes = provenance(prepared, settings, arguments.color_space, result.complete);
+  result.image.attributes.merge(development_attributes(development, standards));
   result.image.id_names = id_names(prepared.scene, result.image);
   write_images(arguments, result.image);
   times.write_seconds = seconds_since(write_start);
@@ -187,6 +196,7 @@ void add_render_command(CLI::App& program, ExitCode& code) {
              "threads to use (default: all cores)");
   add_shown(command, "--colorspace", arguments->color_space, "NAME",
             fmt::format("OCIO colour space of the EXR's RGB (default: {})", kRenderSpace));
+  add_development_options(command, arguments->development);
   add_exr_options(command, arguments->exr);
   add_display_options(command, arguments->display);
   add_shown(command, "--stats", arguments->stats_file, "FILE.json",

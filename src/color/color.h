@@ -21,7 +21,7 @@ Mat3d xyz_to_rec709();
 Mat3d bradford_adaptation(const Vec3d& xyz_white_from, const Vec3d& xyz_white_to);
 Mat3d cat16_adaptation(const Vec3d& xyz_white_from, const Vec3d& xyz_white_to);
 
-/// How film values become RGB: the observer's integral of the reference white is adapted to
+/// How tristimulus values become RGB: the observer's integral of the reference white is adapted to
 /// xy 0.3127, 0.3290 (CAT16), then turned into linear Rec.709.
 struct Development {
   Mat3d xyz_to_rec709{

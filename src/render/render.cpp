@@ -167,7 +167,7 @@ class Renderer {
     });
     RenderResult result;
     for (const Worker& worker : workers) result.stats.add(worker.stats);
-    result.image = film_.develop({.xyz_to_rec709 = world_.lanes.development().xyz_to_rec709});
+    result.image = film_.develop({.xyz_to_rec709 = world_.lanes.film_to_rec709()});
     result.complete = complete.load();
     result.queue_capacity = queue_capacity(integrator_, kWaveSamples, world_.lanes.lane_count());
     result.dropped_samples = film_.dropped_sample_count();

@@ -55,8 +55,22 @@ std::string mode_name(Mode mode) {
 }
 
 LaneModel::LaneModel(Mode mode, const WavelengthOptions& options, const Observer& observer,
-                     const Spectrum& d65, std::span<const Spectrum> lamps)
-    : mode_(mode), observer_(observer), development_(development_for(observer, d65)) {
+                     const Spectrum& d65, std::span<const Spectrum> lamps,
+                     const DevelopmentOptions& development)
+    : mode_(mode),
+      observer_(observer),
+      film_observer_(development.observer.value_or(observer)),
+      film_to_rec709_(responses_to_rec709(development, observer, d65)) {
+  DevelopmentOptions of_d65 = development;
+  of_d65.white.reset();
+  of_d65.adaptation = Adaptation::Cat16;
+  // xyz_of has turned responses into tristimulus values already.
+  development_.xyz_to_rec709 =
+      responses_to_rec709(of_d65, observer, d65) * glm::inverse(film_observer_.responses_to_xyz);
+  development_.rec709_to_xyz = glm::inverse(development_.xyz_to_rec709);
+  if (mode != Mode::Spectral) {
+    film_to_rec709_ = rec709_to_rec709(development, observer, d65) * development_.xyz_to_rec709;
+  }
   d65_ = d65.scaled(1.0 / xyz_of(d65, observer).y);
   for (const Spectrum& lamp : lamps) {
     const double luminance = xyz_of(lamp, observer).y;
@@ -74,9 +88,9 @@ LaneModel::LaneModel(Mode mode, const WavelengthOptions& options, const Observer
 std::vector<float> LaneModel::reflectance(const Reflectance& value) const {
   const auto* color = std::get_if<RgbRec709>(&value);
   if (!quadrature_) {
-    return padded_rgb(
-        color ? color->rgb_rec709
-              : rec709_of_reflectance(std::get<Spectrum>(value), observer_, d65_, development_));
+    return padded_rgb(color ? color->rgb_rec709
+                            : rec709_of_reflectance(std::get<Spectrum>(value), film_observer_, d65_,
+                                                    development_));
   }
   return quadrature_->tabulate(color ? uplifted(*color) : std::get<Spectrum>(value));
 }
@@ -89,7 +103,7 @@ std::vector<float> LaneModel::quantity(const Spectrum& value) const {
 
 std::vector<float> LaneModel::emission(const Spectrum& value) const {
   if (quadrature_) return quadrature_->tabulate_emission(value);
-  return padded_rgb(rec709_of_emission(value, observer_, development_));
+  return padded_rgb(rec709_of_emission(value, film_observer_, development_));
 }
 
 std::vector<float> LaneModel::emission(const RgbRec709& value) const {
@@ -120,8 +134,8 @@ std::vector<float> LaneModel::absorption(const Spectrum& per_m) const {
     transmittance.push_back(std::exp(-per_m.value(x) * depth_m));
   }
   const Vec3d rgb_rec709 = rec709_of_reflectance(
-      Spectrum::tabulated(std::move(nm), std::move(transmittance), OutsideTable::Clamp), observer_,
-      d65_, development_);
+      Spectrum::tabulated(std::move(nm), std::move(transmittance), OutsideTable::Clamp),
+      film_observer_, d65_, development_);
   return padded_rgb({absorption_from(rgb_rec709.x, depth_m), absorption_from(rgb_rec709.y, depth_m),
                      absorption_from(rgb_rec709.z, depth_m)});
 }
@@ -143,7 +157,7 @@ std::vector<float> LaneModel::uplift_abscissa() const {
 }
 
 std::vector<float> LaneModel::xyz_weights() const {
-  if (quadrature_) return quadrature_->observer_weights(observer_);
+  if (quadrature_) return quadrature_->observer_weights(film_observer_);
   // A lane is a channel: its weight is the XYZ of that primary, so that development, the inverse,
   // returns the channels as they were.
   std::vector<float> weights(static_cast<std::size_t>(3) * lane_stride_, 0.0f);
@@ -161,7 +175,7 @@ std::vector<float> LaneModel::importance() const {
     for (int lane = 0; lane < 3; ++lane) result[lane] = 1.0f / 3.0f;
     return result;
   }
-  const std::vector<float> weights = xyz_weights();
+  const std::vector<float> weights = quadrature_->observer_weights(observer_);
   std::vector<float> light(result.size(), 0.0f);
   for (const Spectrum& lamp : lamps_) {
     const std::vector<float> row = quadrature_->tabulate_emission(lamp);

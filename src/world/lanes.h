@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "color/color.h"
+#include "color/development.h"
 #include "optics/dispersion.h"
 #include "scene/scene.h"
 #include "spectrum/observer.h"
@@ -28,16 +29,23 @@ std::string mode_name(Mode mode);
 /// Shape of every row returned: set_count × lane_stride.
 class LaneModel {
  public:
-  /// `d65` in any scale; `lamps` are the scene's emission spectra (for the wavelength density).
+  /// `observer` is that of photometry, CIE 1931: luminances are its. `d65` in any scale; `lamps`
+  /// are the scene's emission spectra (for the wavelength density).
   LaneModel(Mode mode, const WavelengthOptions& options, const Observer& observer,
-            const Spectrum& d65, std::span<const Spectrum> lamps);
+            const Spectrum& d65, std::span<const Spectrum> lamps,
+            const DevelopmentOptions& development = {});
 
   Mode mode() const { return mode_; }
   int lane_count() const { return lane_count_; }
   int lane_stride() const { return lane_stride_; }
   int set_count() const { return set_count_; }
   const Observer& observer() const { return observer_; }
+  /// The observer or camera of the film.
+  const Observer& film_observer() const { return film_observer_; }
+  /// From spectra to the lanes of the RGB modes: the film's observer, D65 for white.
   const Development& development() const { return development_; }
+  /// From what xyz_weights() sums up to linear Rec.709.
+  const Mat3d& film_to_rec709() const { return film_to_rec709_; }
   const Spectrum& d65() const { return d65_; }  ///< Scaled to 1 cd/m².
   /// Absent in the RGB modes.
   const WavelengthQuadrature* quadrature() const { return quadrature_ ? &*quadrature_ : nullptr; }
@@ -59,7 +67,8 @@ class LaneModel {
   /// (λ_nm − 595)/235 of every lane, the abscissa of uplift_rec709_from_table; 0 in RGB modes.
   std::vector<float> uplift_abscissa() const;
 
-  /// Film weights: XYZ = Σ weight·radiance. Shape: set_count × 3 × lane_stride.
+  /// Film weights: responses of the film's observer = Σ weight·radiance. Shape: set_count × 3 ×
+  /// lane_stride.
   std::vector<float> xyz_weights() const;
   /// Share of each lane in what the observer sees of the scene's lamps (of D65 if none), ≥ 0,
   /// summing to 1 over a set: the weight by which fans are bounded.
@@ -71,7 +80,9 @@ class LaneModel {
   int lane_stride_ = 4;
   int set_count_ = 1;
   Observer observer_;
+  Observer film_observer_;
   Development development_;
+  Mat3d film_to_rec709_{1.0};
   Spectrum d65_;
   std::vector<Spectrum> lamps_;
   std::optional<WavelengthQuadrature> quadrature_;

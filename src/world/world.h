@@ -141,6 +141,7 @@ struct World {
 struct WorldOptions {
   Mode mode = Mode::Spectral;
   WavelengthOptions wavelengths;
+  DevelopmentOptions development = {};
 };
 
 /// Flattens, tabulates and builds. Degenerate and non-finite triangles that arise from an

@@ -25,7 +25,7 @@ void RaysAny(const KdView& view, const Ray* rays, std::size_t count, VisibilityM
 // Lanes that left their packets, waiting to be traced as a stream.
 struct Stragglers {
   static constexpr std::size_t kCapacity = 512;
-  std::size_t count;
+  std::size_t count = 0;
   std::size_t packet[kCapacity];
   std::uint8_t lane[kCapacity];
   Ray rays[kCapacity];
@@ -80,18 +80,19 @@ struct AnyOfStragglers {
   }
 };
 
-// The answers of a packet; t and position of lanes that met nothing are set.
-HWY_INLINE void StoreAnswers(const HitPacket& hits, HitPacket& out) {
+// The answers of some lanes of a packet; t of lanes that met nothing is set.
+HWY_INLINE void StoreAnswers(const HitPacket& hits, std::uint32_t lanes, HitPacket& out) {
   const LaneF d;
   const LaneU du;
   for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
     const auto primitive = hn::Load(du, hits.primitive + i);
     const auto is_none = hn::RebindMask(d, hn::Eq(primitive, hn::Set(du, kNoPrimitive)));
-    hn::Store(primitive, du, out.primitive + i);
-    hn::Store(hn::IfThenElse(is_none, hn::Set(d, kInfinity), hn::Load(d, hits.t + i)), d,
-              out.t + i);
-    hn::Store(hn::Load(d, hits.u + i), d, out.u + i);
-    hn::Store(hn::Load(d, hits.v + i), d, out.v + i);
+    const auto is_in = MaskOf(d, lanes, i);
+    const auto t = hn::IfThenElse(is_none, hn::Set(d, kInfinity), hn::Load(d, hits.t + i));
+    hn::BlendedStore(primitive, hn::RebindMask(du, is_in), du, out.primitive + i);
+    hn::BlendedStore(t, is_in, d, out.t + i);
+    hn::BlendedStore(hn::Load(d, hits.u + i), is_in, d, out.u + i);
+    hn::BlendedStore(hn::Load(d, hits.v + i), is_in, d, out.v + i);
   }
 }
 
@@ -112,14 +113,16 @@ struct ClosestSink {
   HitPacket* hits;
   Stragglers stragglers;
 
-  ClosestSink(const KdView& v, VisibilityMask m, HitPacket* h) : view(v), mask(m), hits(h) {
-    stragglers.count = 0;
-  }
+  ClosestSink(const KdView& v, VisibilityMask m, HitPacket* h) : view(v), mask(m), hits(h) {}
 
-  HWY_INLINE void finish(const RayPacket& packet, const PacketState& p) {
-    StoreAnswers(p.hits, hits[p.index]);
-    if (p.is_complete()) return;
-    stragglers.add(packet, p.index, packet.active & 0xffffu, &p.hits);
+  // What the lanes of a packet met before, if it is a part of one.
+  HWY_INLINE const HitPacket* found(std::size_t index) const { return hits + index; }
+  HWY_INLINE std::uint32_t finish(const PacketState& p) {
+    StoreAnswers(p.hits, p.active, hits[p.index]);
+    return p.active;
+  }
+  HWY_INLINE void trace_alone(const RayPacket& packet, std::size_t index, std::uint32_t lanes) {
+    stragglers.add(packet, index, lanes, hits + index);
     if (stragglers.is_full()) flush();
   }
   HWY_NOINLINE void flush() {
@@ -134,14 +137,15 @@ struct AnySink {
   std::uint32_t* occluded;
   Stragglers stragglers;
 
-  AnySink(const KdView& v, VisibilityMask m, std::uint32_t* o) : view(v), mask(m), occluded(o) {
-    stragglers.count = 0;
-  }
+  AnySink(const KdView& v, VisibilityMask m, std::uint32_t* o) : view(v), mask(m), occluded(o) {}
 
-  HWY_INLINE void finish(const RayPacket& packet, const PacketState& p) {
-    occluded[p.index] = p.met;
-    if (p.is_complete()) return;
-    stragglers.add(packet, p.index, p.active, nullptr);
+  HWY_INLINE const HitPacket* found(std::size_t) const { return nullptr; }
+  HWY_INLINE std::uint32_t finish(const PacketState& p) {
+    occluded[p.index] |= p.met;
+    return p.active;
+  }
+  HWY_INLINE void trace_alone(const RayPacket& packet, std::size_t index, std::uint32_t lanes) {
+    stragglers.add(packet, index, lanes, nullptr);
     if (stragglers.is_full()) flush();
   }
   HWY_NOINLINE void flush() {
@@ -152,9 +156,7 @@ struct AnySink {
 
 void PacketsClosest(const KdView& view, const RayPacket* packets, std::size_t count,
                     VisibilityMask mask, HitPacket* hits) {
-  for (std::size_t i = 0; i < count; ++i) {
-    if ((packets[i].active & 0xffffu) == 0) StoreNothing(hits[i]);
-  }
+  for (std::size_t i = 0; i < count; ++i) StoreNothing(hits[i]);
   ClosestSink sink(view, mask, hits);
   TracePackets<false>(view, packets, count, mask, sink);
   if (sink.stragglers.count > 0) sink.flush();

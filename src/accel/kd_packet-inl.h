@@ -22,8 +22,13 @@ namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The triangles of a block that the packet's rays may meet, one bit each.
-HWY_INLINE std::uint32_t NearLine(const TriangleBlock& block, const PacketState& p) {
+// A block as seen from the line of a packet.
+struct alignas(64) SeenBlock {
+  float corners[9][kBlockTriangles];  ///< Relative to the origin of the line.
+  std::uint32_t near;                 ///< The triangles that the packet's rays may meet.
+};
+
+HWY_INLINE void SeeBlock(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
   const LaneF d;
   using V = hn::Vec<LaneF>;
   const float* const row_x = block.corners[p.axes.x];
@@ -35,17 +40,35 @@ HWY_INLINE std::uint32_t NearLine(const TriangleBlock& block, const PacketState&
   const float depth = p.farthest * p.longest_z + p.half_z;
   const V first_z = hn::Set(d, p.is_z_positive ? -p.half_z : -depth);
   const V last_z = hn::Set(d, p.is_z_positive ? depth : p.half_z);
+  float* const to_x = seen.corners[p.axes.x];
+  float* const to_y = seen.corners[p.axes.y];
+  float* const to_z = seen.corners[p.axes.z];
   std::uint32_t bits = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
     const V az = hn::Sub(hn::Load(d, row_z + i), lz);
     const V bz = hn::Sub(hn::Load(d, row_z + kCorner + i), lz);
     const V cz = hn::Sub(hn::Load(d, row_z + 2 * kCorner + i), lz);
-    const V ax = hn::Sub(hn::Sub(hn::Load(d, row_x + i), lx), hn::Mul(sx, az));
-    const V ay = hn::Sub(hn::Sub(hn::Load(d, row_y + i), ly), hn::Mul(sy, az));
-    const V bx = hn::Sub(hn::Sub(hn::Load(d, row_x + kCorner + i), lx), hn::Mul(sx, bz));
-    const V by = hn::Sub(hn::Sub(hn::Load(d, row_y + kCorner + i), ly), hn::Mul(sy, bz));
-    const V cx = hn::Sub(hn::Sub(hn::Load(d, row_x + 2 * kCorner + i), lx), hn::Mul(sx, cz));
-    const V cy = hn::Sub(hn::Sub(hn::Load(d, row_y + 2 * kCorner + i), ly), hn::Mul(sy, cz));
+    const V afx = hn::Sub(hn::Load(d, row_x + i), lx);
+    const V afy = hn::Sub(hn::Load(d, row_y + i), ly);
+    const V bfx = hn::Sub(hn::Load(d, row_x + kCorner + i), lx);
+    const V bfy = hn::Sub(hn::Load(d, row_y + kCorner + i), ly);
+    const V cfx = hn::Sub(hn::Load(d, row_x + 2 * kCorner + i), lx);
+    const V cfy = hn::Sub(hn::Load(d, row_y + 2 * kCorner + i), ly);
+    hn::Store(afx, d, to_x + i);
+    hn::Store(afy, d, to_y + i);
+    hn::Store(az, d, to_z + i);
+    hn::Store(bfx, d, to_x + kCorner + i);
+    hn::Store(bfy, d, to_y + kCorner + i);
+    hn::Store(bz, d, to_z + kCorner + i);
+    hn::Store(cfx, d, to_x + 2 * kCorner + i);
+    hn::Store(cfy, d, to_y + 2 * kCorner + i);
+    hn::Store(cz, d, to_z + 2 * kCorner + i);
+    const V ax = hn::Sub(afx, hn::Mul(sx, az));
+    const V ay = hn::Sub(afy, hn::Mul(sy, az));
+    const V bx = hn::Sub(bfx, hn::Mul(sx, bz));
+    const V by = hn::Sub(bfy, hn::Mul(sy, bz));
+    const V cx = hn::Sub(cfx, hn::Mul(sx, cz));
+    const V cy = hn::Sub(cfy, hn::Mul(sy, cz));
     const V low_z = hn::Min(hn::Min(az, bz), cz), high_z = hn::Max(hn::Max(az, bz), cz);
     const V far = hn::Max(hn::Abs(low_z), hn::Abs(high_z));
     const V half_x = hn::Add(hn::Set(d, p.half_x), hn::Mul(hn::Set(d, p.spread_x), far));
@@ -72,83 +95,110 @@ HWY_INLINE std::uint32_t NearLine(const TriangleBlock& block, const PacketState&
     const auto edge_near = hn::Or(hn::Ge(most, hn::Zero(d)), hn::Le(least, hn::Zero(d)));
     bits |= BitsOf(d, hn::And(hn::And(z_near, edge_near), hn::And(x_near, y_near)), i);
   }
-  return bits;
+  seen.near = bits;
 }
 
-// All triangles of a block: unused lanes repeat the first's number.
-HWY_INLINE std::uint32_t TrianglesOf(const TriangleBlock& block) {
-  const LaneU d;
-  const auto first = hn::Set(d, block.id[0] & kIdMask);
-  std::uint32_t bits = 1;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
-    bits |= BitsOf(d, hn::Ne(hn::Load(d, block.id + i), first), i);
-  }
-  return bits;
-}
+// Triangles that some lane may have hit: what the test came to, the division still to be done. The
+// determinant of a lane that is beside the triangle is zero.
+struct alignas(64) Candidates {
+  float scaled_t[kBlockTriangles][kPacketLanes];
+  float determinant[kBlockTriangles][kPacketLanes];
+  float v[kBlockTriangles][kPacketLanes], w[kBlockTriangles][kPacketLanes];
+  std::uint32_t id[kBlockTriangles];
+};
 
-// One triangle against the lanes of a group; the same operations as for a single ray.
-template <bool kAny>
-HWY_INLINE std::uint32_t TestTriangle(const TriangleBlock& block, std::size_t triangle,
-                                      const ShearGroup& group, PacketState& p) {
+// The triangles near the packet against the lanes of a group, with the same operations as for a
+// single ray. First all tests, without a branch on their outcome; then what they found, sorted by
+// distance in registers.
+template <bool kAny, bool kCommonOrigin>
+HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const SeenBlock& seen,
+                                       const ShearGroup& group, PacketState& p, Candidates& found) {
   const LaneF d;
   const LaneU du;
   using V = hn::Vec<LaneF>;
-  const float* const c = &block.corners[0][triangle];
   constexpr int kRow = kBlockTriangles;
   const int x = group.axes.x, y = group.axes.y, z = group.axes.z;
-  const std::uint32_t id = block.id[triangle] & kIdMask;
+  const float* const corners = kCommonOrigin ? &seen.corners[0][0] : &block.corners[0][0];
+  const float* const cx_row = corners + x * kRow;
+  const float* const cy_row = corners + y * kRow;
+  const float* const cz_row = corners + z * kRow;
+  const V zero = hn::Zero(d);
   std::uint32_t hit_lanes = 0;
   for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    const V sx = hn::Load(d, p.shear_x + i);
+    const V sy = hn::Load(d, p.shear_y + i);
+    const V sz = hn::Load(d, p.shear_z + i);
+    V best = hn::Load(d, p.hits.t + i);
+    const V last_t = hn::Mul(best, hn::Set(d, 1.00001f));
     const V ox = hn::Load(d, p.origin[x] + i);
     const V oy = hn::Load(d, p.origin[y] + i);
     const V oz = hn::Load(d, p.origin[z] + i);
-    const V sx = hn::Load(d, p.shear_x + i);
-    const V sy = hn::Load(d, p.shear_y + i);
-    const V az = hn::Sub(hn::Set(d, c[z * kRow]), oz);
-    const V bz = hn::Sub(hn::Set(d, c[(3 + z) * kRow]), oz);
-    const V cz = hn::Sub(hn::Set(d, c[(6 + z) * kRow]), oz);
-    const V ax = hn::Sub(hn::Sub(hn::Set(d, c[x * kRow]), ox), hn::Mul(sx, az));
-    const V ay = hn::Sub(hn::Sub(hn::Set(d, c[y * kRow]), oy), hn::Mul(sy, az));
-    const V bx = hn::Sub(hn::Sub(hn::Set(d, c[(3 + x) * kRow]), ox), hn::Mul(sx, bz));
-    const V by = hn::Sub(hn::Sub(hn::Set(d, c[(3 + y) * kRow]), oy), hn::Mul(sy, bz));
-    const V cx = hn::Sub(hn::Sub(hn::Set(d, c[(6 + x) * kRow]), ox), hn::Mul(sx, cz));
-    const V cy = hn::Sub(hn::Sub(hn::Set(d, c[(6 + y) * kRow]), oy), hn::Mul(sy, cz));
-    const V u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
-    const V v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
-    const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
-    const V zero = hn::Zero(d);
-    const V best = hn::Load(d, p.hits.t + i);
-    const V determinant = hn::Add(hn::Add(u, v), w);
-    const V weighted_z = hn::Add(hn::Add(hn::Mul(u, az), hn::Mul(v, bz)), hn::Mul(w, cz));
-    const V scaled_t = hn::Mul(weighted_z, hn::Load(d, p.shear_z + i));
-    const auto is_inside =
-        hn::Or(hn::Ge(hn::Min(hn::Min(u, v), w), zero), hn::Le(hn::Max(hn::Max(u, v), w), zero));
-    auto is_candidate = hn::And(is_inside, hn::Ne(determinant, zero));
-    if (kAny) {
-      // Most triangles near a shadow ray are the one it ends at: a first look without the division,
-      // a little too generous, saves them. In the search for the closest they are mostly hits.
-      const V forward = hn::CopySign(hn::Abs(scaled_t), hn::Xor(scaled_t, determinant));
-      const V last = hn::Mul(hn::Abs(determinant), hn::Mul(best, hn::Set(d, 1.00001f)));
-      is_candidate = hn::And(is_candidate, hn::And(hn::Ge(forward, zero), hn::Le(forward, last)));
+    const auto relative = [&](const float* row, std::size_t k, V origin) HWY_ATTR {
+      const V corner = hn::Set(d, row[k]);
+      return kCommonOrigin ? corner : hn::Sub(corner, origin);
+    };
+    std::size_t count = 0;
+    for (std::uint32_t near = seen.near; near != 0; near &= near - 1) {
+      const auto k = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(near));
+      const V az = relative(cz_row, k, oz);
+      const V bz = relative(cz_row, k + 3 * kRow, oz);
+      const V cz = relative(cz_row, k + 6 * kRow, oz);
+      const V ax = hn::Sub(relative(cx_row, k, ox), hn::Mul(sx, az));
+      const V ay = hn::Sub(relative(cy_row, k, oy), hn::Mul(sy, az));
+      const V bx = hn::Sub(relative(cx_row, k + 3 * kRow, ox), hn::Mul(sx, bz));
+      const V by = hn::Sub(relative(cy_row, k + 3 * kRow, oy), hn::Mul(sy, bz));
+      const V cx = hn::Sub(relative(cx_row, k + 6 * kRow, ox), hn::Mul(sx, cz));
+      const V cy = hn::Sub(relative(cy_row, k + 6 * kRow, oy), hn::Mul(sy, cz));
+      const V u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
+      const V v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
+      const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
+      const V determinant = hn::Add(hn::Add(u, v), w);
+      const V weighted_z = hn::Add(hn::Add(hn::Mul(u, az), hn::Mul(v, bz)), hn::Mul(w, cz));
+      const V scaled_t = hn::Mul(weighted_z, sz);
+      auto is_candidate =
+          hn::Or(hn::Ge(hn::Min(hn::Min(u, v), w), zero), hn::Le(hn::Max(hn::Max(u, v), w), zero));
+      if (kAny) {
+        // Most triangles near a shadow ray are the one it ends at: a first look without the
+        // division, a little too generous, saves them. In the search for the closest they are
+        // mostly hits.
+        const V forward = hn::CopySign(hn::Abs(scaled_t), hn::Xor(scaled_t, determinant));
+        const V last = hn::Mul(hn::Abs(determinant), last_t);
+        is_candidate = hn::And(is_candidate, hn::And(hn::Ge(forward, zero), hn::Le(forward, last)));
+      }
+      const V kept = hn::IfThenElseZero(is_candidate, determinant);
+      hn::Store(scaled_t, d, found.scaled_t[count]);
+      hn::Store(kept, d, found.determinant[count]);
+      hn::Store(v, d, found.v[count]);
+      hn::Store(w, d, found.w[count]);
+      found.id[count] = block.id[k] & kIdMask;
+      count += hn::AllFalse(d, is_candidate) ? 0u : 1u;
     }
-    if (hn::AllFalse(d, is_candidate)) continue;
-    const V inverse = hn::Div(hn::Set(d, 1.0f), determinant);
-    const V t = hn::Mul(scaled_t, inverse);
-    const auto primitive = hn::Load(du, p.hits.primitive + i);
-    const auto ids = hn::Set(du, id);
-    // Of two primitives at the same distance the lower number wins; no primitive is the highest.
-    const auto is_lower = hn::RebindMask(
-        d, hn::And(hn::Lt(ids, primitive), hn::Ne(primitive, hn::Set(du, kNoPrimitive))));
-    const auto is_nearer = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), is_lower));
-    const auto is_hit = hn::And(hn::And(is_candidate, MaskOf(d, group.lanes, i)),
-                                hn::And(hn::Gt(t, zero), is_nearer));
-    hit_lanes |= BitsOf(d, is_hit, i);
-    hn::Store(hn::IfThenElse(is_hit, t, best), d, p.hits.t + i);
-    hn::Store(hn::IfThenElse(is_hit, hn::Mul(v, inverse), hn::Load(d, p.hits.u + i)), d,
-              p.hits.u + i);
-    hn::Store(hn::IfThenElse(is_hit, hn::Mul(w, inverse), hn::Load(d, p.hits.v + i)), d,
-              p.hits.v + i);
-    hn::Store(hn::IfThenElse(hn::RebindMask(du, is_hit), ids, primitive), du, p.hits.primitive + i);
+    if (count == 0) continue;
+    V best_u = hn::Load(d, p.hits.u + i);
+    V best_v = hn::Load(d, p.hits.v + i);
+    auto primitive = hn::Load(du, p.hits.primitive + i);
+    const auto in_group = MaskOf(d, group.lanes, i);
+    std::uint32_t lanes = 0;
+    for (std::size_t c = 0; c < count; ++c) {
+      const V inverse = hn::Div(hn::Set(d, 1.0f), hn::Load(d, found.determinant[c]));
+      const V t = hn::Mul(hn::Load(d, found.scaled_t[c]), inverse);
+      const auto ids = hn::Set(du, found.id[c]);
+      // Of two primitives at the same distance the lower number wins; no primitive is the highest.
+      const auto is_lower = hn::RebindMask(
+          d, hn::And(hn::Lt(ids, primitive), hn::Ne(primitive, hn::Set(du, kNoPrimitive))));
+      const auto is_nearer = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), is_lower));
+      const auto is_hit = hn::And(hn::And(in_group, hn::Gt(t, zero)), is_nearer);
+      lanes |= BitsOf(d, is_hit, i);
+      best = hn::IfThenElse(is_hit, t, best);
+      best_u = hn::IfThenElse(is_hit, hn::Mul(hn::Load(d, found.v[c]), inverse), best_u);
+      best_v = hn::IfThenElse(is_hit, hn::Mul(hn::Load(d, found.w[c]), inverse), best_v);
+      primitive = hn::IfThenElse(hn::RebindMask(du, is_hit), ids, primitive);
+    }
+    hit_lanes |= lanes;
+    hn::Store(best, d, p.hits.t + i);
+    hn::Store(best_u, d, p.hits.u + i);
+    hn::Store(best_v, d, p.hits.v + i);
+    hn::Store(primitive, du, p.hits.primitive + i);
   }
   return hit_lanes;
 }
@@ -165,31 +215,32 @@ HWY_INLINE void Retire(PacketState& p, std::uint32_t lanes) {
   }
 }
 
-// What a packet may cost before its rays go on alone: it pays only while it meets few more cells
-// and triangles than one of its rays.
-inline constexpr int kPacketBudget = 200;
+// What a packet may cost per ray before it is divided: it pays only while it meets few more cells
+// and triangles than one of its rays. Few rays go on alone.
+inline constexpr int kLaneBudget = 40;
+inline constexpr std::size_t kFewLanes = 4;
 inline constexpr int kBlockCost = 2;
-// The same for a packet whose rays go too different ways for the test against their line.
-inline constexpr int kScatteredBudget = 40;
 
+// The triangles of a block that was seen, with what follows from hits.
 template <bool kAny>
-HWY_INLINE int TestPacketBlock(const KdView& view, const TriangleBlock& block, VisibilityMask mask,
-                               PacketState& p) {
-  std::uint32_t found = 0;
-  int cost = kBlockCost;
-  for (std::uint32_t near = p.has_line ? NearLine(block, p) : TrianglesOf(block); near != 0;
-       near &= near - 1) {
-    const auto triangle = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(near));
-    if (view.masks != nullptr && !view.is_visible(block.id[triangle] & kIdMask, mask)) continue;
-    for (int g = 0; g < p.group_count; ++g) {
-      found |= TestTriangle<kAny>(block, triangle, p.groups[g], p);
-      ++cost;
+HWY_INLINE void TestPacketBlock(const KdView& view, const TriangleBlock& block, VisibilityMask mask,
+                                SeenBlock& seen, PacketState& p, Candidates& candidates) {
+  if (HWY_UNLIKELY(view.masks != nullptr)) {
+    for (std::uint32_t near = seen.near; near != 0; near &= near - 1) {
+      const auto k = hwy::Num0BitsBelowLS1Bit_Nonzero32(near);
+      if (!view.is_visible(block.id[k] & kIdMask, mask)) seen.near &= ~(1u << k);
     }
   }
-  if (found == 0) return cost;
+  p.budget -= kBlockCost + p.group_count * static_cast<int>(hwy::PopCount(seen.near));
+  if (seen.near == 0) return;
+  std::uint32_t found = 0;
+  for (int g = 0; g < p.group_count; ++g) {
+    found |= p.common_origin ? TestTriangles<kAny, true>(block, seen, p.groups[g], p, candidates)
+                             : TestTriangles<kAny, false>(block, seen, p.groups[g], p, candidates);
+  }
+  if (found == 0) return;
   if (kAny) Retire(p, found);
   p.farthest = LargestLane(p.hits.t);
-  return cost;
 }
 
 template <bool kAny>
@@ -202,41 +253,85 @@ HWY_INLINE void TestPacketSolid(const KdView& view, std::uint32_t primitive, Vis
   p.farthest = LargestLane(p.hits.t);
 }
 
-// All of the leaf that the packet is in; what follows is in p.current.
 template <bool kAny>
-HWY_INLINE void TestPacketLeaf(const KdView& view, VisibilityMask mask, PacketState& p) {
-  const std::uint32_t index = p.current & kIndexMask;
-  if (HWY_LIKELY((p.current & kMixedBit) == 0)) {
-    for (std::uint32_t b = index;; ++b) {
-      const bool is_last = (view.blocks[b].id[0] & kMoreBlocksBit) == 0;
-      if (!is_last) PrefetchBlock(view, b + 1);
-      p.budget -= TestPacketBlock<kAny>(view, view.blocks[b], mask, p);
-      if (is_last) break;
-    }
-  } else {
-    const MixedLeaf& mixed = view.mixed_leaves[index];
-    for (std::uint32_t b = 0; b < mixed.block_count; ++b) {
-      TestPacketBlock<kAny>(view, view.blocks[mixed.first_block + b], mask, p);
-    }
-    for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
-      TestPacketSolid<kAny>(view, view.solids[mixed.first_solid + s], mask, p);
-    }
+HWY_INLINE void TestMixedPacketLeaf(const KdView& view, VisibilityMask mask, SeenBlock& seen,
+                                    PacketState& p, Candidates& candidates) {
+  const MixedLeaf& mixed = view.mixed_leaves[p.current & kIndexMask];
+  for (std::uint32_t b = 0; b < mixed.block_count; ++b) {
+    const TriangleBlock& block = view.blocks[mixed.first_block + b];
+    SeeBlock(block, p, seen);
+    TestPacketBlock<kAny>(view, block, mask, seen, p, candidates);
   }
-  p.pop();
-  if ((kAny && p.active == 0) || p.budget < 0) p.stop();
+  for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
+    TestPacketSolid<kAny>(view, view.solids[mixed.first_solid + s], mask, p);
+  }
 }
 
 // Packets under way at a time: most of their time they wait for memory.
-inline constexpr std::size_t kPacketsInterleaved = 6;
+inline constexpr std::size_t kPacketsInterleaved = 8;
 
-// Traces all packets with active lanes. sink.finish(p) takes one that is done, or that ran out of
-// its budget.
+// Lanes of packets still to be traced. Each division takes one away and adds two, at most fifteen
+// times for a packet.
+class PacketQueue {
+ public:
+  PacketQueue(const RayPacket* packets, std::size_t count) : packets_(packets), count_(count) {}
+
+  // Lanes to be traced next and their packet; no lanes when there are none left.
+  HWY_INLINE std::uint32_t take(std::size_t& index) {
+    if (parts_ > 0) {
+      --parts_;
+      index = part_index_[parts_];
+      return part_lanes_[parts_];
+    }
+    while (next_ < count_) {
+      index = next_++;
+      const std::uint32_t lanes = packets_[index].active & 0xffffu;
+      if (lanes != 0) return lanes;
+    }
+    return 0;
+  }
+
+  HWY_INLINE void add(std::size_t index, std::uint32_t lanes) {
+    part_index_[parts_] = index;
+    part_lanes_[parts_] = lanes;
+    ++parts_;
+  }
+
+ private:
+  const RayPacket* packets_;
+  std::size_t count_;
+  std::size_t next_ = 0;
+  std::size_t parts_ = 0;
+  // All packets under way may be divided to single lanes before one of the parts is taken.
+  std::size_t part_index_[kPacketLanes * (kPacketsInterleaved + 1)];
+  std::uint32_t part_lanes_[kPacketLanes * (kPacketsInterleaved + 1)];
+};
+
+// Lanes that were not worth tracing together: in two parts, or alone.
+template <class Sink>
+HWY_INLINE void Divide(const KdView& view, const RayPacket& packet, std::size_t index,
+                       std::uint32_t lanes, PacketQueue& queue, Sink& sink) {
+  std::uint32_t some = 0;
+  if (hwy::PopCount(lanes) > kFewLanes) some = SplitLanes(view, packet, lanes);
+  const std::uint32_t rest = lanes & ~some;
+  if (some == 0 || rest == 0) {
+    sink.trace_alone(packet, index, lanes);
+    return;
+  }
+  queue.add(index, some);
+  queue.add(index, rest);
+}
+
+// Traces all packets with active lanes. sink.finish(p) takes what a packet has met and says which
+// lanes are not done if it ran out of its budget.
 template <bool kAny, class Sink>
 HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::size_t count,
                              VisibilityMask mask, Sink& sink) {
   PacketState states[kPacketsInterleaved];
-  WorkLists<kPacketsInterleaved> lists;
-  std::size_t next = 0;
+  SeenBlock seen[kPacketsInterleaved];
+  Candidates candidates;
+  WorkLists<kPacketsInterleaved> lists{};
+  PacketQueue queue(packets, count);
   for (std::size_t s = 0; s < kPacketsInterleaved; ++s) {
     lists.slot[WorkList::kDone][s] = static_cast<std::uint8_t>(s);
     states[s].index = count;
@@ -248,15 +343,26 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
     for (std::size_t i = 0; i < done; ++i) {
       const std::size_t s = lists.slot[WorkList::kDone][i];
       PacketState& p = states[s];
-      if (p.index < count) sink.finish(packets[p.index], p);
-      for (; next < count; ++next) {
-        if ((packets[next].active & 0xffffu) == 0) continue;
-        StartPacket(view, packets[next], p);
-        break;
+      if (p.index < count) {
+        const std::uint32_t left = sink.finish(p);
+        if (HWY_UNLIKELY(!p.is_complete() && left != 0)) {
+          Divide(view, packets[p.index], p.index, left, queue, sink);
+        }
+        p.index = count;
       }
-      if (next == count) continue;
-      p.index = next++;
-      p.budget = p.has_line ? kPacketBudget : kScatteredBudget;
+      std::size_t index = 0;
+      std::uint32_t lanes = 0;
+      while ((lanes = queue.take(index)) != 0) {
+        const bool is_whole = lanes == (packets[index].active & 0xffffu);
+        if ((is_whole || hwy::PopCount(lanes) > kFewLanes) &&
+            StartPacket(view, packets[index], lanes, is_whole ? nullptr : sink.found(index), p)) {
+          break;
+        }
+        Divide(view, packets[index], index, lanes, queue, sink);
+      }
+      if (lanes == 0) continue;
+      p.index = index;
+      p.budget = kLaneBudget * static_cast<int>(hwy::PopCount(lanes));
       p.stack.start(view.root, p.tube);
       p.pop();
       PrefetchAll(view, p.current);
@@ -269,23 +375,45 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
         if (lists.count[WorkList::kDone] == 0) break;
         continue;
       }
+      for (std::size_t i = 0; i < inner; ++i) {
+        PacketState& p = states[lists.slot[WorkList::kInner][i]];
+        --p.budget;
+        PushChildren(view.nodes[p.current], p.tube, p.t_near, p.t_far, p.farthest, p.stack);
+      }
       lists.count[WorkList::kInner] = 0;
       for (std::size_t i = 0; i < inner; ++i) {
         const std::size_t s = lists.slot[WorkList::kInner][i];
-        PacketState& p = states[s];
-        --p.budget;
-        PushChildren(view.nodes[p.current], p.tube, p.t_near, p.t_far, p.farthest, p.stack);
-        p.pop();
-        PrefetchAll(view, p.current);
-        lists.add(p.current, s);
+        states[s].pop();
+        PrefetchAll(view, states[s].current);
+        lists.add(states[s].current, s);
       }
     } else {
+      for (std::size_t i = 0; i < leaves; ++i) {
+        const std::size_t s = lists.slot[WorkList::kLeaf][i];
+        const KdChild leaf = states[s].current;
+        if (HWY_LIKELY((leaf & kMixedBit) == 0)) {
+          SeeBlock(view.blocks[leaf & kIndexMask], states[s], seen[s]);
+        }
+      }
+      for (std::size_t i = 0; i < leaves; ++i) {
+        const std::size_t s = lists.slot[WorkList::kLeaf][i];
+        PacketState& p = states[s];
+        if (HWY_LIKELY((p.current & kMixedBit) == 0)) {
+          const TriangleBlock& block = view.blocks[p.current & kIndexMask];
+          TestPacketBlock<kAny>(view, block, mask, seen[s], p, candidates);
+          p.push_next_block(block.id[0] >> 31);
+        } else {
+          TestMixedPacketLeaf<kAny>(view, mask, seen[s], p, candidates);
+        }
+      }
       lists.count[WorkList::kLeaf] = 0;
       for (std::size_t i = 0; i < leaves; ++i) {
         const std::size_t s = lists.slot[WorkList::kLeaf][i];
-        TestPacketLeaf<kAny>(view, mask, states[s]);
-        PrefetchAll(view, states[s].current);
-        lists.add(states[s].current, s);
+        PacketState& p = states[s];
+        p.pop();
+        if ((kAny && p.active == 0) || p.budget < 0) p.stop();
+        PrefetchAll(view, p.current);
+        lists.add(p.current, s);
       }
     }
   }

@@ -61,7 +61,10 @@ HWY_INLINE void ShearLanes(PacketState& p) {
 }
 
 // Beyond this slope between rays of a packet the tube is too wide to be of use.
-inline constexpr float kWidestSpread = 2.0f;
+inline constexpr float kWidestSpread = 0.25f;
+
+// Where rays are compared when a packet is divided, in parts of the longest side of the scene.
+inline constexpr float kSplitWay = 0.25f;
 
 // The line that all rays of the packet are near to. False when they are not near to any.
 HWY_INLINE bool FindLine(PacketState& p, bool common_origin, float reach) {
@@ -123,12 +126,61 @@ HWY_INLINE bool FindLine(PacketState& p, bool common_origin, float reach) {
   return true;
 }
 
-// Makes a packet ready to trace.
-HWY_INLINE void StartPacket(const KdView& view, const RayPacket& packet, PacketState& p) {
+// Divides lanes of a packet in two where they differ most: the lanes returned, and the rest. Either
+// may be none when all are alike.
+HWY_INLINE std::uint32_t SplitLanes(const KdView& view, const RayPacket& packet,
+                                    std::uint32_t lanes) {
+  const LaneF d;
+  using V = hn::Vec<LaneF>;
+  const auto first = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes));
+  const float* const origins[3] = {packet.origin_x, packet.origin_y, packet.origin_z};
+  const float* const directions[3] = {packet.direction_x, packet.direction_y, packet.direction_z};
+  // Where the rays are after a part of the way through the scene, so that directions and origins
+  // can be compared.
+  alignas(64) float along[3][kPacketLanes];
+  alignas(64) float at[3][kPacketLanes];
+  const Vec3f size = view.bounds.high - view.bounds.low;
+  const float longest =
+      size.x > size.y ? (size.x > size.z ? size.x : size.z) : (size.y > size.z ? size.y : size.z);
+  for (int k = 0; k < 3; ++k) {
+    CopyRow(directions[k], lanes, first, along[k]);
+    CopyRow(origins[k], lanes, first, at[k]);
+  }
+  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    const V x = hn::Load(d, along[0] + i), y = hn::Load(d, along[1] + i),
+            z = hn::Load(d, along[2] + i);
+    const V most = hn::Max(hn::Max(hn::Abs(x), hn::Abs(y)), hn::Abs(z));
+    const V way = hn::Div(hn::Set(d, kSplitWay * longest), most);
+    hn::Store(hn::Add(hn::Load(d, at[0] + i), hn::Mul(x, way)), d, at[0] + i);
+    hn::Store(hn::Add(hn::Load(d, at[1] + i), hn::Mul(y, way)), d, at[1] + i);
+    hn::Store(hn::Add(hn::Load(d, at[2] + i), hn::Mul(z, way)), d, at[2] + i);
+  }
+  int widest = 0;
+  float width = -1.0f, middle = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    const float low = SmallestLane(at[k]), high = LargestLane(at[k]);
+    if (high - low > width) {
+      width = high - low;
+      middle = low + 0.5f * width;
+      widest = k;
+    }
+  }
+  std::uint32_t below = 0;
+  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    below |= BitsOf(d, hn::Lt(hn::Load(d, at[widest] + i), hn::Set(d, middle)), i);
+  }
+  return below & lanes;
+}
+
+// Makes some lanes of a packet ready to trace, with what they met before if that is given; false
+// when they go too different ways.
+HWY_INLINE bool StartPacket(const KdView& view, const RayPacket& packet, std::uint32_t lanes,
+                            const HitPacket* found, PacketState& p) {
   const LaneF d;
   const LaneU du;
-  p.active = packet.active & 0xffffu;
+  p.active = lanes;
   p.met = 0;
+  p.common_origin = packet.common_origin;
   const auto first = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(p.active));
   CopyRow(packet.direction_x, p.active, first, p.direction[0]);
   CopyRow(packet.direction_y, p.active, first, p.direction[1]);
@@ -154,20 +206,31 @@ HWY_INLINE void StartPacket(const KdView& view, const RayPacket& packet, PacketS
     longest = longest > high_d[k] ? longest : high_d[k];
     longest = longest > -low_d[k] ? longest : -low_d[k];
   }
-  p.has_line = FindLine(p, packet.common_origin, reach);
+  if (!FindLine(p, packet.common_origin, reach)) return false;
   for (int k = 0; k < 3; ++k) {
     set_tube_axis(p.tube, k, low_o[k], high_o[k], low_d[k], high_d[k], reach, longest);
   }
   const auto never = hn::Set(d, -kInfinity);
+  const auto none = hn::Set(du, kNoPrimitive);
   for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
-    const auto t_max = hn::Load(d, packet.t_max + i);
-    hn::Store(hn::IfThenElse(MaskOf(d, p.active, i), t_max, never), d, p.hits.t + i);
-    hn::Store(hn::Set(du, kNoPrimitive), du, p.hits.primitive + i);
-    hn::Store(hn::Zero(d), d, p.hits.u + i);
-    hn::Store(hn::Zero(d), d, p.hits.v + i);
+    auto t = hn::Load(d, packet.t_max + i);
+    auto u = hn::Zero(d), v = hn::Zero(d);
+    auto primitive = none;
+    if (found != nullptr) {
+      primitive = hn::Load(du, found->primitive + i);
+      const auto is_met = hn::RebindMask(d, hn::Ne(primitive, none));
+      t = hn::IfThenElse(is_met, hn::Load(d, found->t + i), t);
+      u = hn::Load(d, found->u + i);
+      v = hn::Load(d, found->v + i);
+    }
+    hn::Store(hn::IfThenElse(MaskOf(d, p.active, i), t, never), d, p.hits.t + i);
+    hn::Store(primitive, du, p.hits.primitive + i);
+    hn::Store(u, d, p.hits.u + i);
+    hn::Store(v, d, p.hits.v + i);
   }
   p.farthest = LargestLane(p.hits.t);
   clip_tube(p.tube, view.bounds, p.farthest);
+  return true;
 }
 
 }  // namespace HWY_NAMESPACE

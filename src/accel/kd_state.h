@@ -40,7 +40,7 @@ enum : std::size_t { kInner = 0, kLeaf = 1, kDone = 2 };
 /// ray by ray become loops over lists.
 template <std::size_t kSlots>
 struct WorkLists {
-  std::uint8_t slot[3][kSlots];
+  std::uint8_t slot[3][kSlots] = {};
   std::size_t count[3] = {0, 0, 0};
 
   void add(KdChild current, std::size_t s) {
@@ -141,9 +141,7 @@ struct alignas(64) PacketState {
   std::uint32_t active = 0;
   std::uint32_t met = 0;  ///< Of any hit: lanes that are done.
   float farthest = 0.0f;  ///< Largest hits.t.
-  bool has_line = false;
-  // If so, all rays are within (half_x + spread_x·|z|, …) of one line, z from its origin along
-  // axes.z.
+  // All rays are within (half_x + spread_x·|z|, …) of one line, z from its origin along axes.z.
   ShearAxes axes;
   float line_x = 0.0f, line_y = 0.0f, line_z = 0.0f;
   float line_shear_x = 0.0f, line_shear_y = 0.0f;
@@ -151,6 +149,7 @@ struct alignas(64) PacketState {
   float spread_x = 0.0f, spread_y = 0.0f;
   float longest_z = 0.0f;  ///< Largest |direction| along axes.z.
   bool is_z_positive = true;
+  bool common_origin = false;
   std::size_t index = 0;
   int budget = 0;                     ///< Work left before the rays go on alone.
   KdChild current = kDoneChild;       ///< The cell the packet is in.
@@ -160,6 +159,14 @@ struct alignas(64) PacketState {
   /// Whether all was visited before the budget ran out.
   bool is_complete() const { return budget >= 0; }
   void stop() { current = kDoneChild; }
+
+  /// Puts the block behind the current one on the stack if `more` is 1: no branch to guess.
+  void push_next_block(std::uint32_t more) {
+    stack.child[stack.top] = current + 1;
+    stack.t_near[stack.top] = t_near;
+    stack.t_far[stack.top] = t_far;
+    stack.top += static_cast<int>(more);
+  }
 
   /// Takes the nearest cell that is not behind all hits.
   void pop() {

@@ -11,6 +11,7 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include "accel/kd_lanes-inl.h"
 #include "accel/kd_state.h"
 #include "accel/kd_step-inl.h"
 
@@ -19,9 +20,18 @@ namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+// What one ray and sixteen triangles come to: everything but the division, for those that may be
+// hit. Kept while the next rays are tested, so that no processor has to guess at the end of so long
+// a chain of operations whether there is a hit.
+struct alignas(64) BlockResult {
+  float scaled_t[kBlockTriangles];
+  float determinant[kBlockTriangles];
+  float v[kBlockTriangles], w[kBlockTriangles];
+  std::uint32_t candidates;
+};
+
 // One ray against sixteen triangles.
-HWY_INLINE void TestBlock(const KdView& view, const TriangleBlock& block, VisibilityMask mask,
-                          RayState& ray) {
+HWY_INLINE void TestBlock(const TriangleBlock& block, const RayState& ray, BlockResult& result) {
   const hn::CappedTag<float, kBlockTriangles> d;
   using V = hn::Vec<decltype(d)>;
   const float* const row_x = block.corners[ray.axes.x];
@@ -33,6 +43,7 @@ HWY_INLINE void TestBlock(const KdView& view, const TriangleBlock& block, Visibi
   const V sx = hn::Set(d, ray.shear_x);
   const V sy = hn::Set(d, ray.shear_y);
   constexpr int kCorner = 3 * kBlockTriangles;
+  std::uint32_t candidates = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
     const V az = hn::Sub(hn::Load(d, row_z + i), oz);
     const V bz = hn::Sub(hn::Load(d, row_z + kCorner + i), oz);
@@ -50,7 +61,7 @@ HWY_INLINE void TestBlock(const KdView& view, const TriangleBlock& block, Visibi
     const V determinant = hn::Add(hn::Add(u, v), w);
     const V weighted_z = hn::Add(hn::Add(hn::Mul(u, az), hn::Mul(v, bz)), hn::Mul(w, cz));
     const V scaled_t = hn::Mul(weighted_z, hn::Set(d, ray.shear_z));
-    // First without the division, and a little too generous: one branch for most triangles.
+    // Without the division, and a little too generous.
     const V size = hn::Abs(determinant);
     const V forward = hn::CopySign(hn::Abs(scaled_t), hn::Xor(scaled_t, determinant));
     const auto is_inside =
@@ -58,49 +69,39 @@ HWY_INLINE void TestBlock(const KdView& view, const TriangleBlock& block, Visibi
     const auto is_near = hn::And(hn::Ge(forward, zero),
                                  hn::Le(forward, hn::Mul(size, hn::Set(d, ray.hit.t * 1.00001f))));
     const auto is_candidate = hn::And(hn::And(is_inside, is_near), hn::Gt(size, zero));
-    if (HWY_LIKELY(hn::AllFalse(d, is_candidate))) continue;
-    const V inverse = hn::Div(hn::Set(d, 1.0f), determinant);
-    const V t = hn::Mul(scaled_t, inverse);
-    const auto is_hit =
-        hn::And(is_candidate, hn::And(hn::Gt(t, zero), hn::Le(t, hn::Set(d, ray.hit.t))));
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, is_hit, bytes);
-    unsigned bits = bytes[0] | static_cast<unsigned>(bytes[1]) << 8;
-    if (HWY_UNLIKELY(bits == 0)) continue;
-    alignas(64) float ts[kBlockTriangles], vs[kBlockTriangles], ws[kBlockTriangles];
-    hn::Store(t, d, ts);
-    hn::Store(hn::Mul(v, inverse), d, vs);
-    hn::Store(hn::Mul(w, inverse), d, ws);
-    do {
-      const auto lane = hwy::Num0BitsBelowLS1Bit_Nonzero32(bits);
-      ray.accept(ts[lane], block.id[i + lane] & kIdMask, vs[lane], ws[lane], view, mask);
-      bits &= bits - 1;
-    } while (HWY_UNLIKELY(bits != 0));
+    candidates |= BitsOf(d, is_candidate, i);
+    hn::Store(scaled_t, d, result.scaled_t + i);
+    hn::Store(determinant, d, result.determinant + i);
+    hn::Store(v, d, result.v + i);
+    hn::Store(w, d, result.w + i);
+  }
+  result.candidates = candidates;
+}
+
+// Takes the nearest of the candidates, if it is nearer than what the ray has met.
+HWY_INLINE void AcceptCandidates(const KdView& view, const TriangleBlock& block,
+                                 VisibilityMask mask, const BlockResult& result, RayState& ray) {
+  for (std::uint32_t bits = result.candidates; bits != 0; bits &= bits - 1) {
+    const auto lane = hwy::Num0BitsBelowLS1Bit_Nonzero32(bits);
+    const float inverse = 1.0f / result.determinant[lane];
+    ray.accept(result.scaled_t[lane] * inverse, block.id[lane] & kIdMask, result.v[lane] * inverse,
+               result.w[lane] * inverse, view, mask);
   }
 }
 
 inline constexpr std::size_t kInterleaved = 24;
 
-// The next block of the ray's leaf; what follows is in ray.current.
-template <bool kAny>
-HWY_INLINE void TestLeaf(const KdView& view, VisibilityMask mask, RayState& ray) {
-  const std::uint32_t index = ray.current & kIndexMask;
-  if (HWY_LIKELY((ray.current & kMixedBit) == 0)) {
-    const TriangleBlock& block = view.blocks[index];
-    TestBlock(view, block, mask, ray);
-    ray.push_next_block(block.id[0] >> 31);
-    ray.pop();
-  } else {
-    const MixedLeaf& mixed = view.mixed_leaves[index];
-    for (std::uint32_t b = 0; b < mixed.block_count; ++b) {
-      TestBlock(view, view.blocks[mixed.first_block + b], mask, ray);
-    }
-    for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
-      ray.test_solid(view.solids[mixed.first_solid + s], view, mask);
-    }
-    ray.pop();
+HWY_INLINE void TestMixedLeaf(const KdView& view, VisibilityMask mask, RayState& ray) {
+  const MixedLeaf& mixed = view.mixed_leaves[ray.current & kIndexMask];
+  BlockResult result;
+  for (std::uint32_t b = 0; b < mixed.block_count; ++b) {
+    const TriangleBlock& block = view.blocks[mixed.first_block + b];
+    TestBlock(block, ray, result);
+    AcceptCandidates(view, block, mask, result, ray);
   }
-  if (kAny && ray.hit.is_hit()) ray.current = kDoneChild;
+  for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
+    ray.test_solid(view.solids[mixed.first_solid + s], view, mask);
+  }
 }
 
 // Traces the rays source.ray(i), i < source.count, that have met source.found(i) already, and hands
@@ -108,14 +109,15 @@ HWY_INLINE void TestLeaf(const KdView& view, VisibilityMask mask, RayState& ray)
 template <bool kAny, class Source>
 HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Source& source) {
   RayState states[kInterleaved];
-  WorkLists<kInterleaved> lists;
+  BlockResult results[kInterleaved];
+  WorkLists<kInterleaved> lists{};
   const TubeMaker tubes(view.bounds);
   const std::size_t count = source.count;
-  for (std::size_t s = 0; s < count && s < kInterleaved; ++s) {
+  for (std::size_t s = 0; s < kInterleaved; ++s) {
     lists.slot[WorkList::kDone][s] = static_cast<std::uint8_t>(s);
-    ++lists.count[WorkList::kDone];
     states[s].ray = nullptr;
   }
+  lists.count[WorkList::kDone] = kInterleaved;
   std::size_t next = 0;
   while (true) {
     // New rays for those that are done.
@@ -139,27 +141,46 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
         if (lists.count[WorkList::kDone] == 0) break;
         continue;
       }
+      for (std::size_t i = 0; i < inner; ++i) {
+        RayState& ray = states[lists.slot[WorkList::kInner][i]];
+        PushChildren(view.nodes[ray.current], ray.tube, ray.t_near, ray.t_far, ray.hit.t,
+                     ray.stack);
+      }
       lists.count[WorkList::kInner] = 0;
       for (std::size_t i = 0; i < inner; ++i) {
         const std::size_t s = lists.slot[WorkList::kInner][i];
         RayState& ray = states[s];
-        PushChildren(view.nodes[ray.current], ray.tube, ray.t_near, ray.t_far, ray.hit.t,
-                     ray.stack);
         ray.pop();
         PrefetchCell(view, ray.current);
         lists.add(ray.current, s);
       }
     } else {
       const std::size_t leaves = lists.count[WorkList::kLeaf];
-      lists.count[WorkList::kLeaf] = 0;
       for (std::size_t i = 0; i < leaves; ++i) {
         PrefetchBlock(view, states[lists.slot[WorkList::kLeaf][i]].current);
       }
       for (std::size_t i = 0; i < leaves; ++i) {
         const std::size_t s = lists.slot[WorkList::kLeaf][i];
-        TestLeaf<kAny>(view, mask, states[s]);
-        hwy::Prefetch(view.nodes + (states[s].current & kIndexMask));
-        lists.add(states[s].current, s);
+        const RayState& ray = states[s];
+        if (HWY_LIKELY((ray.current & kMixedBit) == 0)) {
+          TestBlock(view.blocks[ray.current & kIndexMask], ray, results[s]);
+        }
+      }
+      lists.count[WorkList::kLeaf] = 0;
+      for (std::size_t i = 0; i < leaves; ++i) {
+        const std::size_t s = lists.slot[WorkList::kLeaf][i];
+        RayState& ray = states[s];
+        if (HWY_LIKELY((ray.current & kMixedBit) == 0)) {
+          const TriangleBlock& block = view.blocks[ray.current & kIndexMask];
+          AcceptCandidates(view, block, mask, results[s], ray);
+          ray.push_next_block(block.id[0] >> 31);
+        } else {
+          TestMixedLeaf(view, mask, ray);
+        }
+        ray.pop();
+        if (kAny && ray.hit.is_hit()) ray.current = kDoneChild;
+        hwy::Prefetch(view.nodes + (ray.current & kIndexMask));
+        lists.add(ray.current, s);
       }
     }
   }

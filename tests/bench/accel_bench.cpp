@@ -32,6 +32,7 @@ namespace {
 struct Options {
   std::vector<std::string> scenes = scene_names();
   std::vector<std::string> sets;
+  std::vector<std::string> rivals;  ///< All when empty; one of ours, default, robust at least.
   int width = 1024;
   int passes = 2;
   std::string out = "out/bench.json";
@@ -40,8 +41,13 @@ struct Options {
 struct Rival {
   std::string name;
   std::string family;  ///< ours, default or robust: the best of each family counts.
+  int lanes;           ///< Of one call; 0 for all of a chunk's packets at once.
   std::vector<double> chunk_seconds = {};
   std::size_t hits = 0;
+
+  bool is_wanted(const std::vector<std::string>& names) const {
+    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+  }
 };
 
 struct Prepared {
@@ -176,26 +182,28 @@ Ratio ratio_of(const Rival& ours, const Rival& theirs) {
   return ratio;
 }
 
-Outcome compare(Prepared& p, const RaySet& set, int passes) {
-  constexpr std::size_t kChunk = 256;  // Packets: 4096 rays, over 100 µs.
-  std::vector<Rival> rivals = {{"packets", "ours"},     {"stream", "ours"},
-                               {"embree1", "default"},  {"embree8", "default"},
-                               {"embree16", "default"}, {"robust1", "robust"},
-                               {"robust8", "robust"},   {"robust16", "robust"}};
+Outcome compare(Prepared& p, const RaySet& set, int passes,
+                const std::vector<std::string>& wanted) {
+  constexpr std::size_t kChunk = 1024;  // Packets: 16384 rays, over 300 µs.
+  // No rival follows another over the same tree, whose caches would be warm for the same rays.
+  std::vector<Rival> rivals = {{"packets", "ours", 0},     {"embree16", "default", 16},
+                               {"robust16", "robust", 16}, {"stream", "ours", 1},
+                               {"embree8", "default", 8},  {"robust8", "robust", 8},
+                               {"embree1", "default", 1},  {"robust1", "robust", 1}};
   Ours ours(p.tree, set);
   for (int pass = 0; pass < passes; ++pass) {
     for (std::size_t first = 0; first < set.packets.size(); first += kChunk) {
       const std::size_t last = std::min(first + kChunk, set.packets.size());
-      for (std::size_t r = 0; r < rivals.size(); ++r) {
-        Rival& rival = rivals[r];
-        if (r < 2) {
-          rival.chunk_seconds.push_back(r == 0 ? ours.packets(first, last)
-                                               : ours.stream(first, last));
-          if (pass == 0) rival.hits += ours.hits(first, last, r == 0);
+      for (Rival& rival : rivals) {
+        if (!rival.is_wanted(wanted)) continue;
+        if (rival.family == "ours") {
+          const bool as_packets = rival.lanes == 0;
+          rival.chunk_seconds.push_back(as_packets ? ours.packets(first, last)
+                                                   : ours.stream(first, last));
+          if (pass == 0) rival.hits += ours.hits(first, last, as_packets);
         } else {
-          constexpr int kWidths[3] = {1, 8, 16};
-          EmbreeScene& embree = r < 5 ? *p.fast : *p.robust;
-          rival.chunk_seconds.push_back(embree.trace(set, first, last, kWidths[(r - 2) % 3]));
+          EmbreeScene& embree = rival.family == "default" ? *p.fast : *p.robust;
+          rival.chunk_seconds.push_back(embree.trace(set, first, last, rival.lanes));
           if (pass == 0) rival.hits += embree.hits();
         }
       }
@@ -204,6 +212,7 @@ Outcome compare(Prepared& p, const RaySet& set, int passes) {
   Outcome outcome;
   std::map<std::string, const Rival*> best;
   for (const Rival& rival : rivals) {
+    if (!rival.is_wanted(wanted)) continue;
     outcome.mrays[rival.name] = 1e-6 * static_cast<double>(set.rays.size()) * passes / total(rival);
     const Rival*& b = best[rival.family];
     if (b == nullptr || total(rival) < total(*b)) b = &rival;
@@ -223,8 +232,8 @@ Outcome compare(Prepared& p, const RaySet& set, int passes) {
   outcome.triangles = static_cast<double>(cost.primitives) / sampled;
   outcome.best_ours = best["ours"]->name;
   outcome.ours = outcome.mrays[outcome.best_ours];
-  outcome.over_default = ratio_of(*best["ours"], *best["default"]);
-  outcome.over_robust = ratio_of(*best["ours"], *best["robust"]);
+  if (best["default"]) outcome.over_default = ratio_of(*best["ours"], *best["default"]);
+  if (best["robust"]) outcome.over_robust = ratio_of(*best["ours"], *best["robust"]);
   return outcome;
 }
 
@@ -252,6 +261,8 @@ Options read_options(int& argc, char** argv) {
       options.scenes = split(*v);
     } else if (const auto s = value("--sets")) {
       options.sets = split(*s);
+    } else if (const auto r = value("--rivals")) {
+      options.rivals = split(*r);
     } else if (const auto w = value("--width")) {
       options.width = std::stoi(*w);
     } else if (const auto n = value("--passes")) {
@@ -307,7 +318,7 @@ int run(int argc, char** argv) {
                                               [&](const RaySet& s) { return s.name == set_name; });
             Outcome o;
             for (auto _ : state) {
-              o = compare(p, set, options.passes);
+              o = compare(p, set, options.passes, options.rivals);
               state.SetIterationTime(1e-6 * static_cast<double>(set.rays.size()) / o.ours);
             }
             state.counters["Mrays/s"] = o.ours;

@@ -98,6 +98,30 @@ HWY_INLINE void SeeBlock(const TriangleBlock& block, const PacketState& p, SeenB
   seen.near = bits;
 }
 
+// All triangles of a block, for a packet without a line: unused lanes repeat the first's number.
+HWY_INLINE void SeeWholeBlock(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
+  const LaneF d;
+  const LaneU du;
+  const auto first_id = hn::Set(du, block.id[0] & kIdMask);
+  std::uint32_t bits = 1;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
+    bits |= BitsOf(du, hn::Ne(hn::Load(du, block.id + i), first_id), i);
+    for (std::size_t row = 0; row < 9; ++row) {
+      const auto origin = hn::Set(d, p.origin[row % 3][0]);
+      hn::Store(hn::Sub(hn::Load(d, block.corners[row] + i), origin), d, seen.corners[row] + i);
+    }
+  }
+  seen.near = bits;
+}
+
+HWY_INLINE void Look(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
+  if (HWY_LIKELY(p.has_line)) {
+    SeeBlock(block, p, seen);
+  } else {
+    SeeWholeBlock(block, p, seen);
+  }
+}
+
 // Triangles that some lane may have hit: what the test came to, the division still to be done. The
 // determinant of a lane that is beside the triangle is zero.
 struct alignas(64) Candidates {
@@ -218,6 +242,9 @@ HWY_INLINE void Retire(PacketState& p, std::uint32_t lanes) {
 // What a packet may cost per ray before it is divided: it pays only while it meets few more cells
 // and triangles than one of its rays. Few rays go on alone.
 inline constexpr int kLaneBudget = 40;
+// The same for a packet whose rays go too different ways for the test against their line: about two
+// leaves.
+inline constexpr int kScatteredBudget = 40;
 inline constexpr std::size_t kFewLanes = 4;
 inline constexpr int kBlockCost = 2;
 
@@ -259,7 +286,7 @@ HWY_INLINE void TestMixedPacketLeaf(const KdView& view, VisibilityMask mask, See
   const MixedLeaf& mixed = view.mixed_leaves[p.current & kIndexMask];
   for (std::uint32_t b = 0; b < mixed.block_count; ++b) {
     const TriangleBlock& block = view.blocks[mixed.first_block + b];
-    SeeBlock(block, p, seen);
+    Look(block, p, seen);
     TestPacketBlock<kAny>(view, block, mask, seen, p, candidates);
   }
   for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
@@ -354,15 +381,16 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
       std::uint32_t lanes = 0;
       while ((lanes = queue.take(index)) != 0) {
         const bool is_whole = lanes == (packets[index].active & 0xffffu);
-        if ((is_whole || hwy::PopCount(lanes) > kFewLanes) &&
-            StartPacket(view, packets[index], lanes, is_whole ? nullptr : sink.found(index), p)) {
+        if (is_whole || hwy::PopCount(lanes) > kFewLanes) {
+          StartPacket(view, packets[index], lanes, is_whole ? nullptr : sink.found(index), p);
           break;
         }
-        Divide(view, packets[index], index, lanes, queue, sink);
+        sink.trace_alone(packets[index], index, lanes);
       }
       if (lanes == 0) continue;
       p.index = index;
-      p.budget = kLaneBudget * static_cast<int>(hwy::PopCount(lanes));
+      p.budget =
+          p.has_line ? kLaneBudget * static_cast<int>(hwy::PopCount(lanes)) : kScatteredBudget;
       p.stack.start(view.root, p.tube);
       p.pop();
       PrefetchAll(view, p.current);
@@ -392,7 +420,7 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
         const std::size_t s = lists.slot[WorkList::kLeaf][i];
         const KdChild leaf = states[s].current;
         if (HWY_LIKELY((leaf & kMixedBit) == 0)) {
-          SeeBlock(view.blocks[leaf & kIndexMask], states[s], seen[s]);
+          Look(view.blocks[leaf & kIndexMask], states[s], seen[s]);
         }
       }
       for (std::size_t i = 0; i < leaves; ++i) {

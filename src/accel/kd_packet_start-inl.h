@@ -172,9 +172,8 @@ HWY_INLINE std::uint32_t SplitLanes(const KdView& view, const RayPacket& packet,
   return below & lanes;
 }
 
-// Makes some lanes of a packet ready to trace, with what they met before if that is given; false
-// when they go too different ways.
-HWY_INLINE bool StartPacket(const KdView& view, const RayPacket& packet, std::uint32_t lanes,
+// Makes some lanes of a packet ready to trace, with what they met before if that is given.
+HWY_INLINE void StartPacket(const KdView& view, const RayPacket& packet, std::uint32_t lanes,
                             const HitPacket* found, PacketState& p) {
   const LaneF d;
   const LaneU du;
@@ -206,7 +205,7 @@ HWY_INLINE bool StartPacket(const KdView& view, const RayPacket& packet, std::ui
     longest = longest > high_d[k] ? longest : high_d[k];
     longest = longest > -low_d[k] ? longest : -low_d[k];
   }
-  if (!FindLine(p, packet.common_origin, reach)) return false;
+  p.has_line = FindLine(p, packet.common_origin, reach);
   for (int k = 0; k < 3; ++k) {
     set_tube_axis(p.tube, k, low_o[k], high_o[k], low_d[k], high_d[k], reach, longest);
   }
@@ -230,7 +229,6 @@ HWY_INLINE bool StartPacket(const KdView& view, const RayPacket& packet, std::ui
   }
   p.farthest = LargestLane(p.hits.t);
   clip_tube(p.tube, view.bounds, p.farthest);
-  return true;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -141,7 +141,9 @@ struct alignas(64) PacketState {
   std::uint32_t active = 0;
   std::uint32_t met = 0;  ///< Of any hit: lanes that are done.
   float farthest = 0.0f;  ///< Largest hits.t.
-  // All rays are within (half_x + spread_x·|z|, …) of one line, z from its origin along axes.z.
+  bool has_line = false;
+  // If so, all rays are within (half_x + spread_x·|z|, …) of one line, z from its origin along
+  // axes.z.
   ShearAxes axes;
   float line_x = 0.0f, line_y = 0.0f, line_z = 0.0f;
   float line_shear_x = 0.0f, line_shear_y = 0.0f;

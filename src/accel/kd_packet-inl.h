@@ -242,9 +242,9 @@ HWY_INLINE void Retire(PacketState& p, std::uint32_t lanes) {
 // What a packet may cost per ray before it is divided: it pays only while it meets few more cells
 // and triangles than one of its rays. Few rays go on alone.
 inline constexpr int kLaneBudget = 40;
-// The same for a packet whose rays go too different ways for the test against their line: about two
-// leaves.
-inline constexpr int kScatteredBudget = 40;
+// The same for a packet whose rays go too different ways for the test against their line: a few
+// leaves. In scenes of a few solids that is all there is.
+inline constexpr int kScatteredBudget = 160;
 inline constexpr std::size_t kFewLanes = 4;
 inline constexpr int kBlockCost = 2;
 

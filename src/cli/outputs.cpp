@@ -73,6 +73,19 @@ void check_color_space(const std::string& space, const DisplayOptions& options) 
   convert_space(image, kRenderSpace, space, options);
 }
 
+void convert_colors(Image& image, const std::string& from, const std::string& to,
+                    const DisplayOptions& options) {
+  const std::vector<std::string> channels = image.channels;
+  for (const std::string& channel : channels) {
+    if (channel == "R") convert_space(image, from, to, options);
+    if (!channel.ends_with(".R")) continue;
+    const std::string layer = channel.substr(0, channel.size() - 1);
+    if (image.channel_index(layer + "G") && image.channel_index(layer + "B")) {
+      convert_space(image, from, to, options, layer);
+    }
+  }
+}
+
 std::optional<std::array<float, 8>> chromaticities_of(const std::string& space) {
   for (const KnownSpace& known : kKnownSpaces) {
     if (space == known.name) return known.chromaticities;

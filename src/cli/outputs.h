@@ -29,6 +29,11 @@ void check_outputs(const std::vector<std::filesystem::path>& files);
 void check_display(const DisplayOptions& options);
 void check_color_space(const std::string& space, const DisplayOptions& options);
 
+/// Every colour of an image from one space to another: R, G, B and the layers that have such
+/// channels. Errors: as convert_space.
+void convert_colors(Image& image, const std::string& from, const std::string& to,
+                    const DisplayOptions& options);
+
 /// Primaries and white of a colour space known by name; red, green, blue, white.
 std::optional<std::array<float, 8>> chromaticities_of(const std::string& space);
 /// The name of the space with such primaries and white.

@@ -1,6 +1,7 @@
 /// `abbe render`: a scene in, images out.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
 #include <filesystem>
@@ -83,7 +84,7 @@ void write_images(const RenderArguments& arguments, Image& image) {
   }
   if (!arguments.has_output(OutputKind::Exr)) return;
   if (arguments.color_space != kRenderSpace) {
-    convert_space(image, kRenderSpace, arguments.color_space, arguments.display.options);
+    convert_colors(image, kRenderSpace, arguments.color_space, arguments.display.options);
   }
   ExrOptions options = arguments.exr;
   options.chromaticities = chromaticities_of(arguments.color_space);
@@ -191,7 +192,7 @@ void add_render_command(CLI::App& program, ExitCode& code) {
   add_shown(command, "--crop", arguments->crop, "X0,Y0,X1,Y1",
             "render only these pixels, half-open");
   add_shown(command, "--aov", arguments->aovs, "LIST",
-            "extra channels: Z, P, N, albedo, UV, objectId, materialId, cost");
+            fmt::format("extra channels: {}", fmt::join(aov_names(), ", ")));
   add_number(command, "--threads", arguments->scene.threads, "N",
              "threads to use (default: all cores)");
   add_shown(command, "--colorspace", arguments->color_space, "NAME",

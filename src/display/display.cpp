@@ -166,11 +166,11 @@ Image to_display(const Image& scene_linear, const DisplayOptions& options) {
 }
 
 void convert_space(Image& image, const std::string& from, const std::string& to,
-                   const DisplayOptions& options) {
+                   const DisplayOptions& options, const std::string& layer) {
   const LoadedConfig loaded = load_config(options);
   check_space(loaded, from);
   check_space(loaded, to);
-  const RgbIndices rgb = rgb_indices(image);
+  const RgbIndices rgb = rgb_indices(image, layer);
   const auto transform = OCIO::ColorSpaceTransform::Create();
   transform->setSrc(from.c_str());
   transform->setDst(to.c_str());

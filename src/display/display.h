@@ -23,9 +23,10 @@ struct DisplayOptions {
 /// Errors: input Error for a bad config; usage Error that lists the valid displays, views, spaces.
 Image to_display(const Image& scene_linear, const DisplayOptions& options);
 
-/// Scene-linear RGB from one space of the config to another, in place (R, G, B channels only).
+/// Scene-linear RGB from one space of the config to another, in place: the channels R, G and B with
+/// `layer` in front ("albedo."), all others stay.
 void convert_space(Image& image, const std::string& from, const std::string& to,
-                   const DisplayOptions& options);
+                   const DisplayOptions& options, const std::string& layer = "");
 
 /// The exposure in EV that auto exposure chooses for an image.
 double auto_exposure_ev(const Image& scene_linear);

@@ -1,5 +1,7 @@
 #include "film/film.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -43,7 +45,11 @@ PixelRect checked_crop(const FilmOptions& options) {
 }  // namespace
 
 AovChannel aov_channel(const std::string& name) {
-  const bool is_mean = name.starts_with("albedo.") || name.starts_with("cost.");
+  constexpr std::array<const char*, 8> kMeans{"albedo.",  "cost.",      "direct.",    "ambient.",
+                                              "emitted.", "reflected.", "refracted.", "T."};
+  const bool is_mean = std::any_of(kMeans.begin(), kMeans.end(), [&name](const char* prefix) {
+    return name.starts_with(prefix);
+  });
   return {name, is_mean ? AovRule::Mean : AovRule::First};
 }
 

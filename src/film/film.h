@@ -28,8 +28,8 @@ struct AovChannel {
   AovRule rule = AovRule::Mean;
 };
 
-/// The channel of that name with the rule that suits it: Mean for `albedo.*` and `cost.*`, First
-/// for all others.
+/// The channel of that name with the rule that suits it: Mean for colours, spectra and `cost.*`,
+/// First for all others.
 AovChannel aov_channel(const std::string& name);
 
 /// Pixels [x0, x1) × [y0, y1).

@@ -13,14 +13,14 @@ void check_same_size(const Image& image, const Image& reference) {
   }
 }
 
-std::array<std::size_t, 3> rgb_indices(const Image& image) {
+std::array<std::size_t, 3> rgb_indices(const Image& image, const std::string& layer) {
   std::array<std::size_t, 3> rgb{};
   const std::array<const char*, 3> names{"R", "G", "B"};
   for (std::size_t c = 0; c < 3; ++c) {
-    const auto index = image.channel_index(names[c]);
+    const auto index = image.channel_index(layer + names[c]);
     if (!index) {
-      throw_input_error("", "an image without channel " + std::string(names[c]),
-                        "channels R, G and B", image.channels);
+      throw_input_error("", "an image without channel " + layer + names[c], "channels R, G and B",
+                        image.channels);
     }
     rgb[c] = *index;
   }

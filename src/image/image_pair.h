@@ -11,8 +11,9 @@ namespace abbe {
 /// Errors: input Error when the sizes differ.
 void check_same_size(const Image& image, const Image& reference);
 
-/// Indices of R, G and B. Errors: input Error that lists the channels there are.
-std::array<std::size_t, 3> rgb_indices(const Image& image);
+/// Indices of R, G and B, `layer` in front of their names. Errors: input Error that lists the
+/// channels there are.
+std::array<std::size_t, 3> rgb_indices(const Image& image, const std::string& layer = "");
 
 /// Index in `image` of each channel of the reference, by name.
 /// Errors: input Error when the sizes differ or a channel is missing.

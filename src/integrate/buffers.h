@@ -22,6 +22,7 @@ struct ShadowJob {
   std::uint32_t record = 0;       ///< 1 + number of the record it belongs to.
   LaneMask lanes;                 ///< Lanes that any light can reach.
   MediumStack media;
+  FanOrigin first_turn = FanOrigin::Camera;
   bool spread = false;
 };
 

@@ -21,6 +21,15 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
+/// Where light of a kind belongs that was met by a fan: lanes of a part of its sample.
+inline float* part_of(std::span<float> light_parts, std::uint32_t sample, FanOrigin first_turn,
+                      LightPart kind, int stride) {
+  if (first_turn == FanOrigin::Reflected) kind = LightPart::Reflected;
+  if (first_turn == FanOrigin::Refracted) kind = LightPart::Refracted;
+  const std::size_t place = sample * kLightParts + static_cast<std::size_t>(kind);
+  return light_parts.data() + place * static_cast<std::size_t>(stride);
+}
+
 /// The light of lamps on the surfaces of one batch.
 template <class D>
 class DirectLight {
@@ -63,6 +72,7 @@ class DirectLight {
       job.record = record_number;
       job.media = fan.media;
       job.spread = fan.spread;
+      job.first_turn = fan.first_turn;
       const float* contribution = b_.shadow_data.data() + data;
       for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
         if (lanes.test(lane) && contribution[lane] != 0.0f) job.lanes.set(lane);
@@ -86,8 +96,9 @@ class DirectLight {
     }
   }
 
-  /// All shadow rays of the batch, and the light they let through.
-  void resolve() {
+  /// All shadow rays of the batch, and the light they let through, also by its parts where there is
+  /// room for them.
+  void resolve(std::span<float> light_parts) {
     if (b_.shadow_jobs.empty()) return;
     b_.shadow_ray_occluded.resize(b_.shadow_rays.size());
     b_.shadow_packet_occluded.resize(b_.shadow_packets.size());
@@ -119,6 +130,10 @@ class DirectLight {
       for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
         const auto arrived = hn::Mul(hn::LoadU(d, light + i), hn::LoadU(d, visibility + i));
         hn::StoreU(hn::Add(hn::LoadU(d, sum + i), arrived), d, sum + i);
+      }
+      if (!light_parts.empty()) {
+        float* part = part_of(light_parts, job.sample, job.first_turn, LightPart::Direct, stride_);
+        for (int lane = 0; lane < stride_; ++lane) part[lane] += light[lane] * visibility[lane];
       }
       const auto lanes = static_cast<std::size_t>(stride_);
       recorder_.add_direct_light(job.record, {light, lanes}, {visibility, lanes});

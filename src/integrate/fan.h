@@ -114,6 +114,7 @@ struct Fan {
   float path_length_m = 0.0f;
   std::uint16_t depth = 0;
   FanOrigin made_by = FanOrigin::Camera;
+  FanOrigin first_turn = FanOrigin::Camera;  ///< Reflected or refracted at the first surface.
   bool spread = false;
   bool common_origin = false;
   MediumStack media;

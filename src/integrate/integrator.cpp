@@ -41,9 +41,10 @@ IntegratorScratch::~IntegratorScratch() = default;
 void trace_samples(const World& world, const IntegratorSettings& settings,
                    std::span<const CameraSample> samples, std::span<float> radiance,
                    std::span<FirstHit> first_hits, IntegratorStats& stats,
-                   IntegratorScratch& scratch, std::vector<FanRecord>* recorder) {
+                   IntegratorScratch& scratch, std::vector<FanRecord>* recorder,
+                   const SampleLayers& layers) {
   HWY_DYNAMIC_DISPATCH(TraceSamples)
-  (world, settings, samples, radiance, first_hits, stats, scratch.buffers(), recorder);
+  (world, settings, samples, radiance, first_hits, stats, scratch.buffers(), recorder, layers);
 }
 
 }  // namespace abbe

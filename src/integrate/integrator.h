@@ -61,6 +61,23 @@ struct FirstHit {
   QueryCost cost;  ///< Of all the sample's rays, if it is counted.
 };
 
+/// Where the light of a sample came from, as seen from the surface that the camera ray met (through
+/// partly transparent ones: the first that was not passed). Their sum is the radiance.
+enum class LightPart : std::uint8_t {
+  Direct,     ///< Of lamps, off that surface.
+  Ambient,    ///< The ambient light there.
+  Emitted,    ///< What the surface emits.
+  Reflected,  ///< All that came by its reflected ray.
+  Refracted,  ///< All that came by its refracted ray.
+};
+inline constexpr std::size_t kLightParts = 5;
+
+/// Further results per lane, each only where it has room.
+struct SampleLayers {
+  std::span<float> light_parts;  ///< samples × kLightParts × lane_stride, or empty.
+  std::span<float> albedo;  ///< samples × lane_stride: base colour of the first hit, or empty.
+};
+
 /// Counts of what was done, summed over threads by the caller.
 struct IntegratorStats {
   std::uint64_t camera_rays = 0, reflected_rays = 0, refracted_rays = 0, passed_rays = 0,
@@ -101,6 +118,7 @@ class IntegratorScratch {
 void trace_samples(const World& world, const IntegratorSettings& settings,
                    std::span<const CameraSample> samples, std::span<float> radiance,
                    std::span<FirstHit> first_hits, IntegratorStats& stats,
-                   IntegratorScratch& scratch, std::vector<FanRecord>* recorder = nullptr);
+                   IntegratorScratch& scratch, std::vector<FanRecord>* recorder = nullptr,
+                   const SampleLayers& layers = {});
 
 }  // namespace abbe

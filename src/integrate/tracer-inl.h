@@ -33,7 +33,7 @@ class Tracer {
   Tracer(const World& world, const IntegratorSettings& settings,
          std::span<const CameraSample> samples, std::span<FirstHit> first_hits,
          IntegratorStats& stats, IntegratorScratch::Buffers& buffers,
-         std::vector<FanRecord>* recorder)
+         std::vector<FanRecord>* recorder, const SampleLayers& layers)
       : world_(world),
         settings_(settings),
         samples_(samples),
@@ -42,11 +42,14 @@ class Tracer {
         b_(buffers),
         recorder_(world, samples, recorder),
         lamps_(world, samples, stats, buffers, recorder_),
+        layers_(layers),
         stride_(world.lanes.lane_stride()) {}
 
   void run(std::span<float> radiance) {
     b_.local_light.assign(radiance.size(), 0.0f);
     b_.direct_light.assign(radiance.size(), 0.0f);
+    std::fill(layers_.light_parts.begin(), layers_.light_parts.end(), 0.0f);
+    std::fill(layers_.albedo.begin(), layers_.albedo.end(), 0.0f);
     FanList first = take_list();
     for (std::size_t i = 0; i < samples_.size(); ++i) start(first, static_cast<std::uint32_t>(i));
     run_deepest_first(std::move(first));
@@ -153,7 +156,7 @@ class Tracer {
       }
     }
     if (settings_.counts_cost) count_shadow_cost(world_, b_, first_hits_);
-    lamps_.resolve();
+    lamps_.resolve(layers_.light_parts);
   }
 
   void find_hits(const FanList& list, std::size_t first, std::size_t last) {
@@ -447,6 +450,10 @@ class Tracer {
     ShadeLanes(d, stride_, rows, material.index_is_infinite, hidden, crossing == Crossing::Thin, at,
                shading_);
     add_local_light(fan, material, hidden, set);
+    if (fan.depth == 0 && !layers_.albedo.empty()) {
+      const std::size_t place = std::size_t{fan.sample} * static_cast<std::size_t>(stride_);
+      std::copy(at.base_color.v, at.base_color.v + stride_, layers_.albedo.data() + place);
+    }
     if (material.unlit) return;
     recorder_.shade(crossing, rows, at, shading_);
 
@@ -468,6 +475,7 @@ class Tracer {
     const D d;
     float* sum = b_.local_light.data() + static_cast<std::size_t>(fan.sample) * stride_;
     const float* ambient_row = ambient ? world_.row(*world_.ambient, set) : nullptr;
+    if (!layers_.light_parts.empty()) add_local_parts(fan, material, ambient_row);
     for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
       auto light = hn::Load(d, b_.at.emission.v + i);
       if (ambient) {
@@ -478,6 +486,21 @@ class Tracer {
       const auto throughput =
           hn::Mul(hn::Load(d, b_.at.throughput.v + i), hn::Load(d, shading_.inverse_n2.v + i));
       hn::StoreU(hn::Add(hn::LoadU(d, sum + i), hn::Mul(throughput, light)), d, sum + i);
+    }
+  }
+
+  // The same light by its parts; apart, so that it costs nothing where nobody asks.
+  void add_local_parts(const Fan& fan, const SurfaceMaterial& material, const float* ambient_row) {
+    float* emitted =
+        part_of(layers_.light_parts, fan.sample, fan.first_turn, LightPart::Emitted, stride_);
+    float* ambient =
+        part_of(layers_.light_parts, fan.sample, fan.first_turn, LightPart::Ambient, stride_);
+    for (int lane = 0; lane < stride_; ++lane) {
+      const float throughput = b_.at.throughput[lane] * shading_.inverse_n2[lane];
+      emitted[lane] += throughput * b_.at.emission[lane];
+      if (ambient_row == nullptr) continue;
+      ambient[lane] +=
+          throughput * material.ambient_factor.value_or(shading_.diffuse[lane]) * ambient_row[lane];
     }
   }
 
@@ -663,6 +686,8 @@ class Tracer {
     fan.path_length_m = path_length_m;
     fan.depth = static_cast<std::uint16_t>(parent.depth + 1);
     fan.made_by = made_by;
+    const bool turns = parent.first_turn == FanOrigin::Camera && made_by != FanOrigin::Passed;
+    fan.first_turn = turns ? made_by : parent.first_turn;
     // A fan of one lane is one ray.
     fan.spread = spread && fan.lanes.count() > 1;
     fan.common_origin = fan.spread && !parent.spread;
@@ -739,6 +764,7 @@ class Tracer {
   IntegratorScratch::Buffers& b_;
   FanRecorder recorder_;
   DirectLight<D> lamps_;
+  const SampleLayers& layers_;
   const int stride_;
 
   Shading shading_;
@@ -757,9 +783,10 @@ class Tracer {
 void TraceSamples(const World& world, const IntegratorSettings& settings,
                   std::span<const CameraSample> samples, std::span<float> radiance,
                   std::span<FirstHit> first_hits, IntegratorStats& stats,
-                  IntegratorScratch::Buffers& buffers, std::vector<FanRecord>* recorder) {
+                  IntegratorScratch::Buffers& buffers, std::vector<FanRecord>* recorder,
+                  const SampleLayers& layers) {
   const auto trace = [&](auto d) {
-    Tracer<decltype(d)>(world, settings, samples, first_hits, stats, buffers, recorder)
+    Tracer<decltype(d)>(world, settings, samples, first_hits, stats, buffers, recorder, layers)
         .run(radiance);
   };
   // The widest vector that divides the stride.

@@ -3,12 +3,14 @@
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <chrono>
 #include <mutex>
 
 #include "film/filter.h"
+#include "image/exr.h"
 #include "math/sampling.h"
 #include "render/band_weights.h"
 #include "render/camera_rays.h"
@@ -77,7 +79,30 @@ class SampleSource {
   float strata_;
 };
 
-std::vector<std::string> aov_channel_names(const std::string& group) {
+// Names of extra channels that are parts of the light, in the order of LightPart.
+constexpr std::array<const char*, kLightParts> kLightPartNames{"direct", "ambient", "emitted",
+                                                               "reflected", "refracted"};
+
+std::optional<std::size_t> light_part_named(const std::string& group) {
+  const auto* found = std::find(kLightPartNames.begin(), kLightPartNames.end(), group);
+  if (found == kLightPartNames.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - kLightPartNames.begin());
+}
+
+std::vector<std::string> aov_channel_names(const std::string& group,
+                                           const RenderSettings& settings) {
+  if (light_part_named(group)) return {group + ".R", group + ".G", group + ".B"};
+  if (group == "spectralAlbedo") {
+    std::vector<std::string> names;
+    for (const double nm : settings.wavelengths.exact_nm) {
+      names.push_back(reflective_channel_name(nm));
+    }
+    if (!settings.bands || !names.empty()) return names;
+    for (int band = 0; band < settings.bands->count; ++band) {
+      names.push_back(reflective_channel_name(settings.bands->center_nm(band)));
+    }
+    return names;
+  }
   if (group == "P" || group == "N") return {group + ".X", group + ".Y", group + ".Z"};
   if (group == "albedo") return {"albedo.R", "albedo.G", "albedo.B"};
   if (group == "UV") return {"UV.U", "UV.V"};
@@ -118,7 +143,8 @@ struct Worker {
   std::vector<float> weights;
   std::vector<float> radiance;
   std::vector<FirstHit> first_hits;
-  std::vector<float> bands, aovs;
+  std::vector<float> light_parts, albedo;  ///< Per sample and lane, where they are asked for.
+  std::vector<float> bands, reflectances, aovs;
 };
 
 class Renderer {
@@ -136,6 +162,10 @@ class Renderer {
                     .cluster_lanes = settings.cluster_lanes},
         eye_(Vec3d(camera.to_world[3])),
         forward_(-glm::normalize(Vec3d(camera.to_world[2]))) {
+    for (const std::string& group : settings.aovs) {
+      has_light_parts_ = has_light_parts_ || light_part_named(group);
+      has_spectral_albedo_ = has_spectral_albedo_ || group == "spectralAlbedo";
+    }
     if (!settings.bands) return;
     std::vector<int> sets;
     for (int s = 0; s < settings.samples_per_pixel; ++s) {
@@ -184,7 +214,7 @@ class Renderer {
     options.bands = settings.bands;
     options.lines_nm = settings.wavelengths.exact_nm;
     for (const std::string& group : settings.aovs) {
-      for (const std::string& name : aov_channel_names(group)) {
+      for (const std::string& name : aov_channel_names(group, settings)) {
         options.aovs.push_back(aov_channel(name));
       }
     }
@@ -231,8 +261,10 @@ class Renderer {
     const int stride = world_.lanes.lane_stride();
     worker.radiance.resize(count * stride);
     worker.first_hits.assign(settings_.aovs.empty() ? 0 : count, FirstHit{});
+    worker.light_parts.resize(has_light_parts_ ? count * kLightParts * stride : 0);
+    worker.albedo.resize(has_spectral_albedo_ ? count * stride : 0);
     trace_samples(world_, integrator_, worker.samples, worker.radiance, worker.first_hits,
-                  worker.stats, worker.scratch);
+                  worker.stats, worker.scratch, nullptr, {worker.light_parts, worker.albedo});
     for (std::size_t i = 0; i < count; ++i) add_to_film(worker, i);
     worker.samples.clear();
     worker.pixels.clear();
@@ -244,6 +276,31 @@ class Renderer {
     const int set = worker.samples[i].set;
     const std::span<const float> radiance =
         std::span<const float>(worker.radiance).subspan(i * stride, stride);
+    const Vec3d xyz = responses_of(set, radiance);
+    fill_bands(set, radiance, worker.bands);
+    worker.aovs.clear();
+    for (const std::string& group : settings_.aovs) {
+      if (const auto part = light_part_named(group)) {
+        const std::span<const float> light =
+            std::span<const float>(worker.light_parts)
+                .subspan((i * kLightParts + *part) * stride, stride);
+        const Vec3f rgb_rec709(world_.lanes.film_to_rec709() * responses_of(set, light));
+        worker.aovs.insert(worker.aovs.end(), {rgb_rec709.x, rgb_rec709.y, rgb_rec709.z});
+      } else if (group == "spectralAlbedo") {
+        fill_bands(set, std::span<const float>(worker.albedo).subspan(i * stride, stride),
+                   worker.reflectances);
+        worker.aovs.insert(worker.aovs.end(), worker.reflectances.begin(),
+                           worker.reflectances.end());
+      } else {
+        append_aov(group, worker.first_hits[i], eye_, forward_, worker.aovs);
+      }
+    }
+    film_.add(worker.pixels[i], worker.weights[i], Vec3f(xyz), worker.bands, worker.aovs);
+  }
+
+  // What the film's observer makes of radiance on the lanes of a set.
+  Vec3d responses_of(int set, std::span<const float> radiance) const {
+    const int stride = world_.lanes.lane_stride();
     const float* weights = world_.xyz_weights.data() + static_cast<std::size_t>(set) * 3 * stride;
     Vec3d xyz(0.0);
     for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
@@ -252,22 +309,17 @@ class Renderer {
       xyz.y += static_cast<double>(weights[stride + lane]) * value;
       xyz.z += static_cast<double>(weights[2 * stride + lane]) * value;
     }
-    fill_bands(worker, set, radiance);
-    worker.aovs.clear();
-    for (const std::string& group : settings_.aovs) {
-      append_aov(group, worker.first_hits[i], eye_, forward_, worker.aovs);
-    }
-    film_.add(worker.pixels[i], worker.weights[i], Vec3f(xyz), worker.bands, worker.aovs);
+    return xyz;
   }
 
-  void fill_bands(Worker& worker, int set, std::span<const float> radiance) {
+  void fill_bands(int set, std::span<const float> lanes, std::vector<float>& bands) const {
     if (!settings_.wavelengths.exact_nm.empty()) {
-      worker.bands.assign(radiance.begin(), radiance.begin() + world_.lanes.lane_count());
+      bands.assign(lanes.begin(), lanes.begin() + world_.lanes.lane_count());
       return;
     }
     if (!settings_.bands) return;
-    worker.bands.resize(static_cast<std::size_t>(settings_.bands->count));
-    band_weights_->apply(set, radiance, worker.bands);
+    bands.resize(static_cast<std::size_t>(settings_.bands->count));
+    band_weights_->apply(set, lanes, bands);
   }
 
   const World& world_;
@@ -277,6 +329,8 @@ class Renderer {
   IntegratorSettings integrator_;
   Vec3f eye_, forward_;
   std::optional<BandWeights> band_weights_;
+  bool has_light_parts_ = false;
+  bool has_spectral_albedo_ = false;
 };
 
 }  // namespace

@@ -59,7 +59,8 @@ void check_wavelengths(const RenderSettings& settings) {
 }  // namespace
 
 std::vector<std::string> aov_names() {
-  return {"Z", "P", "N", "albedo", "UV", "objectId", "materialId", "cost"};
+  return {"Z",    "P",      "N",       "albedo",  "UV",        "objectId",  "materialId",
+          "cost", "direct", "ambient", "emitted", "reflected", "refracted", "spectralAlbedo"};
 }
 
 void check_settings(const RenderSettings& settings) {
@@ -75,6 +76,10 @@ void check_settings(const RenderSettings& settings) {
   for (const std::string& aov : settings.aovs) {
     if (std::find(names.begin(), names.end(), aov) == names.end()) {
       throw_usage_error("--aov", aov, "names of extra channels", names);
+    }
+    if (aov == "spectralAlbedo" && !settings.bands && settings.wavelengths.exact_nm.empty()) {
+      throw_usage_error("--aov", aov + " without spectral channels",
+                        "--bands or --lines, which say of what wavelengths");
     }
   }
   if (settings.crop) {

@@ -31,7 +31,8 @@ struct RenderSettings {
   int cluster_lanes = 0;          ///< IntegratorSettings::cluster_lanes: benchmarks only.
 };
 
-/// Groups of extra channels: Z, P, N, albedo, UV, objectId, materialId, cost.
+/// Groups of extra channels: Z, P, N, albedo, UV, objectId, materialId, cost; direct,
+/// ambient, emitted, reflected, refracted: parts of the light; spectralAlbedo.
 std::vector<std::string> aov_names();
 
 /// Errors: usage Error for values out of range, unknown names and contradictions.

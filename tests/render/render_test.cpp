@@ -4,8 +4,10 @@
 
 #include <cmath>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "color/color.h"
+#include "image/exr.h"
 #include "support/scene_builder.h"
 
 namespace abbe {
@@ -210,6 +212,89 @@ TEST(RenderTest, cost_of_a_pixel_is_the_work_of_its_rays_traced_alone) {
     EXPECT_EQ(test::pixel(image, x, 4, "cost.triangles"), static_cast<float>(cost.primitives));
   }
   EXPECT_GT(test::pixel(image, 4, 4, "cost.triangles"), 0.0f);
+}
+
+// A glowing glass ball over a lit floor in ambient light, seen through a half transparent sheet.
+Scene everything() {
+  Scene scene = glass_over_floor();
+  scene.ambient = Ambient{0.3, {"illuminant/A", test::catalogue().illuminant("illuminant/A")}};
+  scene.materials.back().emissive_rec709 = Vec3f(0.1f, 0.0f, 0.2f);
+  Material sheet = test::matte(Vec3f(0.4f, 0.5f, 0.6f));
+  sheet.alpha_mode = AlphaMode::Blend;
+  sheet.base_color_rec709.w = 0.5f;
+  test::add_square(scene, test::add(scene, sheet), 0.5,
+                   test::translation({0.5, 5.0, 0.0}) * test::rotation({1, 0, 0}, -90.0));
+  return scene;
+}
+
+TEST(RenderTest, parts_of_the_light_add_up_to_the_colour) {
+  RenderSettings settings = test::small_settings();
+  settings.size = {24, 24};
+  settings.samples_per_pixel = 4;
+  settings.aovs = {"direct", "ambient", "emitted", "reflected", "refracted"};
+  for (const Mode mode : {Mode::Spectral, Mode::Rgb}) {
+    settings.mode = mode;
+    const Image image = test::render(everything(), settings).image;
+    std::vector<double> totals(5, 0.0);
+    for (int y = 0; y < 24; ++y) {
+      for (int x = 0; x < 24; ++x) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          double sum = 0.0;
+          for (std::size_t part = 0; part < 5; ++part) {
+            sum += static_cast<double>(image.at(x, y, 3 + 3 * part + c));
+            totals[part] += static_cast<double>(image.at(x, y, 3 + 3 * part + c));
+          }
+          // The same floats in another order.
+          ASSERT_NEAR(sum, image.at(x, y, c), 2e-5 * std::max(1.0, sum)) << x << "," << y;
+        }
+      }
+    }
+    for (const double total : totals) EXPECT_GT(total, 0.1);
+  }
+}
+
+TEST(RenderTest, parts_of_the_light_leave_the_image_as_it_is) {
+  RenderSettings settings = test::small_settings();
+  const Image plain = test::render(everything(), settings).image;
+  settings.aovs = {"reflected"};
+  const Image image = test::render(everything(), settings).image;
+  for (int i = 0; i < 64; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_EQ(image.at(i % 8, i / 8, c), plain.at(i % 8, i / 8, c));
+    }
+  }
+}
+
+TEST(RenderTest, matte_floor_has_neither_reflected_nor_refracted_light) {
+  RenderSettings settings = test::small_settings();
+  settings.aovs = {"direct", "reflected", "refracted"};
+  const Image image = test::render(lit_white_floor(), settings).image;
+  EXPECT_NEAR(test::pixel(image, 3, 3, "direct.G"), 1.0f, 2e-3f);  // one sample of 16 wavelengths
+  EXPECT_EQ(test::pixel(image, 3, 3, "reflected.G"), 0.0f);
+  EXPECT_EQ(test::pixel(image, 3, 3, "refracted.G"), 0.0f);
+}
+
+TEST(RenderTest, spectral_albedo_is_the_reflectance_of_what_is_seen) {
+  Scene scene = lit_white_floor();
+  const Spectrum reflectance =
+      Spectrum::tabulated({400.0, 550.0, 700.0}, {0.2, 0.8, 0.4}, OutsideTable::Clamp);
+  scene.materials.front().reflectance = NamedSpectrum{"", reflectance};
+  RenderSettings settings = test::small_settings();
+  settings.samples_per_pixel = 16;
+  settings.bands = parse_bands("420:680:20");
+  settings.aovs = {"spectralAlbedo"};
+  const Image image = test::render(scene, settings).image;
+  for (int band = 0; band < settings.bands->count; ++band) {
+    const double nm = settings.bands->center_nm(band);
+    if (std::abs(nm - 550.0) < 20.0) continue;  // The mean over the bend is below its peak.
+    // Linear over the band: its mean is the value in the middle; floats.
+    EXPECT_NEAR(test::pixel(image, 4, 4, reflective_channel_name(nm)), reflectance.value(nm), 1e-5);
+  }
+  settings.bands.reset();
+  EXPECT_THROW(check_settings(settings), Error);
+  settings.wavelengths.exact_nm = {475.0, 600.0};
+  const Image lines = test::render(scene, settings).image;
+  EXPECT_NEAR(test::pixel(lines, 4, 4, "T.475,000000nm"), 0.5f, 1e-6f);  // floats
 }
 
 }  // namespace

@@ -80,7 +80,8 @@ struct AnyOfStragglers {
   }
 };
 
-// The answers of some lanes of a packet; t of lanes that met nothing is set.
+// The answers of some lanes of a packet; t of lanes that met nothing is set. Lanes that take no part
+// have met nothing.
 HWY_INLINE void StoreAnswers(const HitPacket& hits, std::uint32_t lanes, HitPacket& out) {
   const LaneF d;
   const LaneU du;
@@ -117,8 +118,10 @@ struct ClosestSink {
 
   // What the lanes of a packet met before, if it is a part of one.
   HWY_INLINE const HitPacket* found(std::size_t index) const { return hits + index; }
+  // Before the lanes of a packet are answered one part after the other.
+  HWY_INLINE void begin_parts(std::size_t index) { StoreNothing(hits[index]); }
   HWY_INLINE std::uint32_t finish(const PacketState& p) {
-    StoreAnswers(p.hits, p.active, hits[p.index]);
+    StoreAnswers(p.hits, p.is_whole ? 0xffffu : p.active, hits[p.index]);
     return p.active;
   }
   HWY_INLINE void trace_alone(const RayPacket& packet, std::size_t index, std::uint32_t lanes) {
@@ -140,6 +143,7 @@ struct AnySink {
   AnySink(const KdView& v, VisibilityMask m, std::uint32_t* o) : view(v), mask(m), occluded(o) {}
 
   HWY_INLINE const HitPacket* found(std::size_t) const { return nullptr; }
+  HWY_INLINE void begin_parts(std::size_t) {}
   HWY_INLINE std::uint32_t finish(const PacketState& p) {
     occluded[p.index] |= p.met;
     return p.active;
@@ -156,7 +160,9 @@ struct AnySink {
 
 void PacketsClosest(const KdView& view, const RayPacket* packets, std::size_t count,
                     VisibilityMask mask, HitPacket* hits) {
-  for (std::size_t i = 0; i < count; ++i) StoreNothing(hits[i]);
+  for (std::size_t i = 0; i < count; ++i) {
+    if ((packets[i].active & 0xffffu) == 0) StoreNothing(hits[i]);
+  }
   ClosestSink sink(view, mask, hits);
   TracePackets<false>(view, packets, count, mask, sink);
   if (sink.stragglers.count > 0) sink.flush();

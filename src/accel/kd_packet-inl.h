@@ -241,7 +241,7 @@ HWY_INLINE void Retire(PacketState& p, std::uint32_t lanes) {
 
 // What a packet may cost per ray before it is divided: it pays only while it meets few more cells
 // and triangles than one of its rays. Few rays go on alone.
-inline constexpr int kLaneBudget = 40;
+inline constexpr int kLaneBudget = 60;
 // The same for a packet whose rays go too different ways for the test against their line: a few
 // leaves. In scenes of a few solids that is all there is.
 inline constexpr int kScatteredBudget = 160;
@@ -383,7 +383,12 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
         const bool is_whole = lanes == (packets[index].active & 0xffffu);
         if (is_whole || hwy::PopCount(lanes) > kFewLanes) {
           StartPacket(view, packets[index], lanes, is_whole ? nullptr : sink.found(index), p);
-          break;
+          p.is_whole = is_whole;
+          if (HWY_LIKELY(p.apart == 0 || p.apart == lanes)) break;
+          if (is_whole) sink.begin_parts(index);
+          queue.add(index, lanes & ~p.apart);
+          queue.add(index, p.apart);
+          continue;
         }
         sink.trace_alone(packets[index], index, lanes);
       }

@@ -63,14 +63,40 @@ HWY_INLINE void ShearLanes(PacketState& p) {
 // Beyond this slope between rays of a packet the tube is too wide to be of use.
 inline constexpr float kWidestSpread = 0.25f;
 
+// A gap between the rays of a packet, in parts of its width, at which two packets are better.
+inline constexpr float kWidestGap = 0.4f;
+// With fewer triangles a packet that is too wide meets little more than its parts would.
+inline constexpr std::uint32_t kFewTriangles = 1000;
+// And the least slope between its rays for that to matter.
+inline constexpr float kLeastSpread = 0.0005f;
+
 // Where rays are compared when a packet is divided, in parts of the longest side of the scene.
 inline constexpr float kSplitWay = 0.25f;
 
+// The lanes on one side of a gap that parts the lanes of a row, none if it is less than half as
+// wide as the whole.
+HWY_INLINE std::uint32_t BelowGap(const float* row, float low, float high) {
+  const LaneF d;
+  const auto middle = hn::Set(d, low + 0.5f * (high - low));
+  auto below = hn::Set(d, low), above = hn::Set(d, high);
+  std::uint32_t lanes = 0;
+  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    const auto v = hn::Load(d, row + i);
+    const auto is_below = hn::Lt(v, middle);
+    below = hn::IfThenElse(is_below, hn::Max(below, v), below);
+    above = hn::IfThenElse(is_below, above, hn::Min(above, v));
+    lanes |= BitsOf(d, is_below, i);
+  }
+  const float gap = hn::GetLane(hn::MinOfLanes(d, above)) - hn::GetLane(hn::MaxOfLanes(d, below));
+  return gap > kWidestGap * (high - low) ? lanes : 0;
+}
+
 // The line that all rays of the packet are near to. False when they are not near to any.
-HWY_INLINE bool FindLine(PacketState& p, bool common_origin, float reach) {
+HWY_INLINE bool FindLine(PacketState& p, bool common_origin, float reach, bool may_part) {
   const LaneF d;
   const ShearAxes axes = p.groups[0].axes;
   p.axes = axes;
+  p.apart = 0;
   const float* const dz = p.direction[axes.z];
   const float least_z = SmallestLane(dz), most_z = LargestLane(dz);
   if (!(least_z > 0.0f || most_z < 0.0f)) return false;
@@ -94,6 +120,11 @@ HWY_INLINE bool FindLine(PacketState& p, bool common_origin, float reach) {
   p.line_shear_y = 0.5f * (low_y + high_y);
   p.spread_x = 0.5f * (high_x - low_x);
   p.spread_y = 0.5f * (high_y - low_y);
+  if (may_part && (p.spread_x > kLeastSpread || p.spread_y > kLeastSpread)) {
+    p.apart = p.spread_x > p.spread_y ? BelowGap(shear_x, low_x, high_x)
+                                      : BelowGap(shear_y, low_y, high_y);
+    p.apart &= p.active;
+  }
   if (!(p.spread_x < kWidestSpread && p.spread_y < kWidestSpread)) return false;
   p.line_x = p.origin[axes.x][0];
   p.line_y = p.origin[axes.y][0];
@@ -205,7 +236,7 @@ HWY_INLINE void StartPacket(const KdView& view, const RayPacket& packet, std::ui
     longest = longest > high_d[k] ? longest : high_d[k];
     longest = longest > -low_d[k] ? longest : -low_d[k];
   }
-  p.has_line = FindLine(p, packet.common_origin, reach);
+  p.has_line = FindLine(p, packet.common_origin, reach, view.triangle_count > kFewTriangles);
   for (int k = 0; k < 3; ++k) {
     set_tube_axis(p.tube, k, low_o[k], high_o[k], low_d[k], high_d[k], reach, longest);
   }

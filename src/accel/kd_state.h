@@ -141,6 +141,7 @@ struct alignas(64) PacketState {
   std::uint32_t active = 0;
   std::uint32_t met = 0;  ///< Of any hit: lanes that are done.
   float farthest = 0.0f;  ///< Largest hits.t.
+  std::uint32_t apart = 0;  ///< Lanes that are better traced apart from the rest.
   bool has_line = false;
   // If so, all rays are within (half_x + spread_x·|z|, …) of one line, z from its origin along
   // axes.z.
@@ -152,6 +153,7 @@ struct alignas(64) PacketState {
   float longest_z = 0.0f;  ///< Largest |direction| along axes.z.
   bool is_z_positive = true;
   bool common_origin = false;
+  bool is_whole = true;  ///< All active lanes of a packet, not a part of them.
   std::size_t index = 0;
   int budget = 0;                     ///< Work left before the rays go on alone.
   KdChild current = kDoneChild;       ///< The cell the packet is in.

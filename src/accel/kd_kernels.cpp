@@ -80,8 +80,8 @@ struct AnyOfStragglers {
   }
 };
 
-// The answers of some lanes of a packet; t of lanes that met nothing is set. Lanes that take no part
-// have met nothing.
+// The answers of some lanes of a packet; t of lanes that met nothing is set. Lanes that take no
+// part have met nothing.
 HWY_INLINE void StoreAnswers(const HitPacket& hits, std::uint32_t lanes, HitPacket& out) {
   const LaneF d;
   const LaneU du;

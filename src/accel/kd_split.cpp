@@ -8,12 +8,10 @@
 namespace abbe {
 namespace {
 
-// Above this count bins find splits within 1 % of the exact ones, and much faster.
-constexpr std::size_t kExactLimit = 1024;
-constexpr int kBins = 64;
+constexpr std::uint32_t kMaxBins = 256;
 
 struct AxisBins {
-  std::array<std::uint32_t, kBins> starts{}, ends{};
+  std::array<std::uint32_t, kMaxBins> starts{}, ends{};
 };
 
 void sort_floats(std::vector<float>& values) {
@@ -72,6 +70,7 @@ struct SplitFinder::Candidate {
 };
 
 void SplitFinder::search_binned(std::span<const BuildReference> references, Candidate& best) const {
+  const auto bin_count = static_cast<int>(std::clamp(config_.bins, 2u, kMaxBins));
   std::array<float, 3> low, high, scale;
   for (std::size_t k = 0; k < 3; ++k) {
     low[k] = kInfinity;
@@ -80,15 +79,15 @@ void SplitFinder::search_binned(std::span<const BuildReference> references, Cand
       low[k] = std::min(low[k], r.low[k]);
       high[k] = std::max(high[k], r.high[k]);
     }
-    scale[k] = high[k] > low[k] ? static_cast<float>(kBins) / (high[k] - low[k]) : 0.0f;
+    scale[k] = high[k] > low[k] ? static_cast<float>(bin_count) / (high[k] - low[k]) : 0.0f;
   }
   std::array<AxisBins, 3> bins;
   for (const BuildReference& r : references) {
     for (std::size_t k = 0; k < 3; ++k) {
       const int start = static_cast<int>((r.low[k] - low[k]) * scale[k]);
       const int end = static_cast<int>((r.high[k] - low[k]) * scale[k]);
-      ++bins[k].starts[static_cast<std::size_t>(std::clamp(start, 0, kBins - 1))];
-      ++bins[k].ends[static_cast<std::size_t>(std::clamp(end, 0, kBins - 1))];
+      ++bins[k].starts[static_cast<std::size_t>(std::clamp(start, 0, bin_count - 1))];
+      ++bins[k].ends[static_cast<std::size_t>(std::clamp(end, 0, bin_count - 1))];
     }
   }
   for (std::size_t k = 0; k < 3; ++k) {
@@ -98,7 +97,7 @@ void SplitFinder::search_binned(std::span<const BuildReference> references, Cand
     if (scale[k] == 0.0f) continue;
     std::size_t below = 0;
     std::size_t above = references.size();
-    for (std::size_t b = 1; b < kBins; ++b) {
+    for (std::size_t b = 1; b < static_cast<std::size_t>(bin_count); ++b) {
       below += bins[k].starts[b - 1];
       above -= bins[k].ends[b - 1];
       best.rate(axis, low[k] + static_cast<float>(b) / scale[k], below, above, true);
@@ -138,6 +137,7 @@ void SplitFinder::search_exact(std::span<const BuildReference> references, int a
 
 std::optional<Split> SplitFinder::find(std::span<const BuildReference> references,
                                        const Box3f& cell, std::size_t max_added) {
+  if (references.size() <= config_.leaf_size) return std::nullopt;
   const auto solids =
       std::count_if(references.begin(), references.end(),
                     [&](const BuildReference& r) { return r.primitive >= triangle_count_; });
@@ -145,7 +145,7 @@ std::optional<Split> SplitFinder::find(std::span<const BuildReference> reference
                           ? 0.0f
                           : static_cast<float>(solids) / static_cast<float>(references.size());
   Candidate best(config_, cell, references.size(), max_added, share);
-  if (references.size() > kExactLimit) {
+  if (references.size() > config_.exact_limit) {
     search_binned(references, best);
   } else {
     for (int axis = 0; axis < 3; ++axis) search_exact(references, axis, best);

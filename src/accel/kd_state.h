@@ -139,8 +139,8 @@ struct alignas(64) PacketState {
   ShearGroup groups[3];
   int group_count = 0;
   std::uint32_t active = 0;
-  std::uint32_t met = 0;  ///< Of any hit: lanes that are done.
-  float farthest = 0.0f;  ///< Largest hits.t.
+  std::uint32_t met = 0;    ///< Of any hit: lanes that are done.
+  float farthest = 0.0f;    ///< Largest hits.t.
   std::uint32_t apart = 0;  ///< Lanes that are better traced apart from the rest.
   bool has_line = false;
   // If so, all rays are within (half_x + spread_x·|z|, …) of one line, z from its origin along

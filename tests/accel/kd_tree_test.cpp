@@ -62,6 +62,25 @@ TEST(KdTree, masked_primitives_are_passed_through) {
   }
 }
 
+TEST(KdTree, every_configuration_gives_right_answers) {
+  Random random(9);
+  const World world = random_triangles(random, 3000, 0.1f);
+  const std::vector<Ray> rays = random_rays(random, 1000);
+  KdTreeConfig eager, lazy, coarse, shallow, capped;
+  eager.traversal_cost = 0.1f;
+  eager.empty_bonus = 0.5f;
+  eager.exact_limit = 100000;
+  lazy.leaf_size = 200;
+  coarse.bins = 2;
+  coarse.exact_limit = 0;
+  shallow.max_depth = 3;
+  capped.max_references = 1.0f;
+  for (const KdTreeConfig& config : {eager, lazy, coarse, shallow, capped}) {
+    expect_right_answers(world, KdTree::build(world.spans(), config), rays, kAllBits, 100);
+  }
+  EXPECT_LT(KdTree::build(world.spans(), lazy).bytes(), KdTree::build(world.spans()).bytes());
+}
+
 TEST(KdTree, tree_does_not_depend_on_the_number_of_threads) {
   const World world = closed_sphere(5, Vec3f(0.3f), 1.0f, 0.01f);
   Random random(5);

@@ -1,8 +1,12 @@
 /// The k-d tree against Embree: same triangles, same rays, same process, one thread, CPU time, all
 /// rivals interleaved chunk by chunk. Prints a table and writes it as JSON.
 ///
-///   abbe_bench [--scenes=A,B] [--sets=A,B] [--width=N] [--passes=N] [--out=FILE] [Google
-///   Benchmark's options]
+///   abbe_bench [FILE.gltf ...] [--scenes=A,B] [--sets=A,B] [--rivals=A,B] [--width=N] [--passes=N]
+///              [--out=FILE] [Google Benchmark's options]
+///
+/// Google Benchmark names, selects (--benchmark_filter) and runs the pairs of scene and ray set.
+/// The clock is our own: Google Benchmark times one thing after the other, and on a machine that
+/// others use only what is interleaved can be compared.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -68,9 +72,9 @@ Prepared prepare(const std::string& name, int width) {
   p.robust = std::make_unique<EmbreeScene>(p.scene, true);
   p.sets = make_ray_sets(p.scene, p.tree, width);
   fmt::print(
-      "{}: {} triangles; build {:.2f} s, Embree {:.2f} s; bytes per triangle {:.1f}, Embree "
+      "{}: {}; build {:.2f} s, Embree {:.2f} s; bytes per triangle {:.1f}, Embree "
       "{:.1f}\n",
-      name, p.scene.triangles.size(), p.build_seconds, p.fast->build_seconds(),
+      name, p.scene.description, p.build_seconds, p.fast->build_seconds(),
       static_cast<double>(p.tree.bytes()) / static_cast<double>(p.scene.triangles.size()),
       static_cast<double>(p.fast->bytes()) / static_cast<double>(p.scene.triangles.size()));
   return p;
@@ -250,6 +254,8 @@ std::vector<std::string> split(const std::string& list) {
 
 Options read_options(int& argc, char** argv) {
   Options options;
+  std::vector<std::string> files;
+  bool names_scenes = false;
   int kept = 1;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
@@ -259,6 +265,7 @@ Options read_options(int& argc, char** argv) {
     };
     if (const auto v = value("--scenes")) {
       options.scenes = split(*v);
+      names_scenes = true;
     } else if (const auto s = value("--sets")) {
       options.sets = split(*s);
     } else if (const auto r = value("--rivals")) {
@@ -269,11 +276,16 @@ Options read_options(int& argc, char** argv) {
       options.passes = std::stoi(*n);
     } else if (const auto o = value("--out")) {
       options.out = *o;
+    } else if (!argument.starts_with("-")) {
+      files.push_back(argument);
     } else {
       argv[kept++] = argv[i];
     }
   }
   argc = kept;
+  // Files alone replace the scenes made in code.
+  if (!files.empty() && !names_scenes) options.scenes.clear();
+  options.scenes.insert(options.scenes.end(), files.begin(), files.end());
   return options;
 }
 
@@ -324,7 +336,7 @@ int run(int argc, char** argv) {
             state.counters["Mrays/s"] = o.ours;
             state.counters["over_default"] = o.over_default.value;
             state.counters["over_robust"] = o.over_robust.value;
-            fmt::print("{:10} {:14} {:>8}", name, set_name, o.best_ours);
+            fmt::print("{:10} {:14} {:>8}", p.scene.name, set_name, o.best_ours);
             for (const char* rival : {"packets", "stream", "embree1", "embree8", "embree16",
                                       "robust1", "robust8", "robust16"}) {
               fmt::print(" {:7.2f}", o.mrays[rival]);
@@ -360,6 +372,7 @@ int run(int argc, char** argv) {
       "scene", "rays", "best", "packets", "stream", "emb1", "emb8", "emb16", "rob1", "rob8",
       "rob16", isa_level());
   ::benchmark::Initialize(&argc, argv);
+  if (::benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   class Silent : public ::benchmark::BenchmarkReporter {
     bool ReportContext(const Context&) override { return true; }
     void ReportRuns(const std::vector<Run>&) override {}
@@ -380,5 +393,10 @@ int run(int argc, char** argv) {
 }  // namespace abbe::bench
 
 int main(int argc, char** argv) {
-  return abbe::bench::run(argc, argv);
+  try {
+    return abbe::bench::run(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "abbe_bench: {}\n", error.what());
+    return 2;
+  }
 }

@@ -1,8 +1,15 @@
 #include "bench/bench_scenes.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <filesystem>
 #include <random>
 #include <stdexcept>
+#include <variant>
+
+#include "load/gltf.h"
+#include "scene/scene.h"
 
 namespace abbe::bench {
 namespace {
@@ -52,6 +59,61 @@ void add_room(BenchScene& scene, const Vec3f& low, const Vec3f& high) {
   }
 }
 
+void add_mesh(BenchScene& out, const Mesh& mesh, const Mat4d& to_world, std::size_t& dropped) {
+  const auto first = static_cast<std::uint32_t>(out.positions.size());
+  for (const Vec3f& position : mesh.positions) {
+    out.positions.emplace_back(Vec3d(to_world * Vec4d(Vec3d(position), 1.0)));
+  }
+  for (const auto& corner : mesh.triangles) {
+    const Triangle triangle{corner[0] + first, corner[1] + first, corner[2] + first};
+    const Vec3d a(out.positions[triangle[0]]), b(out.positions[triangle[1]]),
+        c(out.positions[triangle[2]]);
+    const double area = glm::length(glm::cross(b - a, c - a));
+    if (std::isfinite(area) && area > 0.0) {
+      out.triangles.push_back(triangle);
+    } else {
+      ++dropped;
+    }
+  }
+}
+
+// Embree and the tree get the same triangles, so exact shapes are left out.
+BenchScene load_scene(const std::filesystem::path& file) {
+  Notes notes;
+  Scene scene = load_gltf(file, Catalogue::standard(), {}, notes);
+  add_default_camera(scene);
+  BenchScene out;
+  out.name = file.stem();
+  std::size_t dropped = 0, shapes = 0;
+  for (const Instance& instance : scene.instances) {
+    if (const auto* mesh = std::get_if<std::uint32_t>(&instance.what)) {
+      add_mesh(out, scene.meshes[*mesh], instance.to_world, dropped);
+    } else {
+      ++shapes;
+    }
+  }
+  if (out.triangles.empty()) {
+    throw std::invalid_argument(fmt::format("{} has no triangles", file.string()));
+  }
+  const Camera& camera = scene.cameras.front();
+  const Vec3d eye(camera.to_world[3]);
+  out.eye = Vec3f(eye);
+  out.target = Vec3f(eye - Vec3d(camera.to_world[2]));
+  if (const auto* lens = std::get_if<PerspectiveCamera>(&camera.projection)) {
+    out.half_angle_tangent = static_cast<float>(std::tan(0.5 * lens->yfov_rad));
+  }
+  const Box3f bounds = bounds_of(scene);
+  out.light = out.eye + Vec3f(0.0f, 0.5f * glm::length(bounds.high - bounds.low), 0.0f);
+  for (const Light& light : scene.lights) {
+    if (light.type == LightType::Directional) continue;
+    out.light = Vec3f(Vec3d(light.to_world[3]));
+    break;
+  }
+  out.description = fmt::format("{} triangles of {}; {} dropped, {} exact shapes left out",
+                                out.triangles.size(), file.filename().string(), dropped, shapes);
+  return out;
+}
+
 }  // namespace
 
 std::vector<std::string> scene_names() {
@@ -61,12 +123,13 @@ std::vector<std::string> scene_names() {
 BenchScene make_scene(const std::string& name) {
   BenchScene scene;
   scene.name = name;
-  if (name == "displaced" || name == "inside") {
-    add_sphere(scene, 289, Vec3d(0.0), 1.0, 0.06);
+  if (name == "displaced" || name == "inside" || name == "huge") {
+    add_sphere(scene, name == "huge" ? 913 : 289, Vec3d(0.0), 1.0, 0.06);
     scene.light = {2.0f, 3.0f, -4.0f};
     scene.eye = {0.3f, 0.5f, -2.6f};
     scene.half_angle_tangent = 0.45f;
-    scene.description = "cube-sphere of 1 002 252 triangles with waves on it";
+    scene.description =
+        fmt::format("cube-sphere of {} triangles with waves on it", scene.triangles.size());
     if (name == "inside") {
       scene.eye = {0.2f, 0.1f, -0.3f};
       scene.target = {0.1f, 0.2f, 1.0f};
@@ -86,15 +149,17 @@ BenchScene make_scene(const std::string& name) {
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     for (int i = 0; i < 80; ++i) {
       const Vec3d center(3.5 * uniform(random), 1.7 * uniform(random), 3.0 * uniform(random) + 0.5);
-      add_sphere(scene, i % 2 == 0 ? 17 : 17, center, 0.25 + 0.12 * uniform(random),
-                 i % 2 == 0 ? 0.0 : 0.08);
+      add_sphere(scene, 17, center, 0.25 + 0.12 * uniform(random), i % 2 == 0 ? 0.0 : 0.08);
     }
     add_room(scene, Vec3f(-4.0f, -2.0f, -5.0f), Vec3f(4.0f, 2.5f, 4.0f));
     scene.eye = {0.2f, 0.3f, -4.6f};
     scene.light = {1.0f, 2.2f, -3.0f};
     scene.description = "80 spheres in a room, half displaced, 277 452 triangles";
+  } else if (std::filesystem::exists(name)) {
+    return load_scene(name);
   } else {
-    throw std::invalid_argument("no scene called " + name);
+    throw std::invalid_argument("no scene and no file called " + name +
+                                ", expected displaced, inside, room, spheres, huge or a glTF file");
   }
   return scene;
 }

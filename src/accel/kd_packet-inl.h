@@ -242,9 +242,11 @@ HWY_INLINE void Retire(PacketState& p, std::uint32_t lanes) {
 // What a packet may cost per ray before it is divided: it pays only while it meets few more cells
 // and triangles than one of its rays. Few rays go on alone.
 inline constexpr int kLaneBudget = 60;
-// The same for a packet whose rays go too different ways for the test against their line: a few
-// leaves. In scenes of a few solids that is all there is.
-inline constexpr int kScatteredBudget = 160;
+// The same for a packet whose rays go too different ways for the test against their line: about two
+// leaves. A scene of a few solids is hardly more than that, and divided packets meet all of it
+// again.
+inline constexpr int kScatteredBudget = 40;
+inline constexpr int kFewSolidsBudget = 160;
 inline constexpr std::size_t kFewLanes = 4;
 inline constexpr int kBlockCost = 2;
 
@@ -394,8 +396,8 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
       }
       if (lanes == 0) continue;
       p.index = index;
-      p.budget =
-          p.has_line ? kLaneBudget * static_cast<int>(hwy::PopCount(lanes)) : kScatteredBudget;
+      p.budget = view.triangle_count > kFewTriangles ? kScatteredBudget : kFewSolidsBudget;
+      if (p.has_line) p.budget = kLaneBudget * static_cast<int>(hwy::PopCount(lanes));
       p.stack.start(view.root, p.tube);
       p.pop();
       PrefetchAll(view, p.current);

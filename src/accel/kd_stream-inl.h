@@ -151,14 +151,11 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
         const std::size_t s = lists.slot[WorkList::kInner][i];
         RayState& ray = states[s];
         ray.pop();
-        PrefetchCell(view, ray.current);
+        PrefetchAll(view, ray.current);
         lists.add(ray.current, s);
       }
     } else {
       const std::size_t leaves = lists.count[WorkList::kLeaf];
-      for (std::size_t i = 0; i < leaves; ++i) {
-        PrefetchBlock(view, states[lists.slot[WorkList::kLeaf][i]].current);
-      }
       for (std::size_t i = 0; i < leaves; ++i) {
         const std::size_t s = lists.slot[WorkList::kLeaf][i];
         const RayState& ray = states[s];
@@ -179,7 +176,7 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
         }
         ray.pop();
         if (kAny && ray.hit.is_hit()) ray.current = kDoneChild;
-        hwy::Prefetch(view.nodes + (ray.current & kIndexMask));
+        PrefetchAll(view, ray.current);
         lists.add(ray.current, s);
       }
     }

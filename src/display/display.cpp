@@ -177,6 +177,50 @@ void convert_space(Image& image, const std::string& from, const std::string& to,
   apply(*processor_of(loaded, transform), image, rgb, 1.0f, image, rgb);
 }
 
+std::vector<bool> outside_gamut(const Image& scene_linear, const DisplayOptions& options) {
+  const LoadedConfig loaded = load_config(options);
+  check_space(loaded, options.source_space);
+  check_display_and_view(loaded, options.display, options.view);
+  std::string space =
+      loaded.config->getDisplayViewColorSpaceName(options.display.c_str(), options.view.c_str());
+  const auto known = loaded.config->getColorSpace(space.c_str());
+  // A view that encodes nothing, as Raw, has the gamut of its display.
+  if (space == OCIO::OCIO_VIEW_USE_DISPLAY_NAME || !known || known->isData()) {
+    space = options.display;
+  }
+  const auto there = OCIO::ColorSpaceTransform::Create();
+  there->setSrc(options.source_space.c_str());
+  there->setDst(space.c_str());
+  const auto back = OCIO::ColorSpaceTransform::Create();
+  back->setSrc(space.c_str());
+  back->setDst(options.source_space.c_str());
+  const auto to_codes = processor_of(loaded, there);
+  const auto from_codes = processor_of(loaded, back);
+
+  const RgbIndices rgb = rgb_indices(scene_linear);
+  const std::size_t channels = scene_linear.channel_count();
+  std::vector<bool> outside(scene_linear.pixels.size() / channels);
+  for (std::size_t p = 0; p < outside.size(); ++p) {
+    std::array<float, 3> color{};
+    for (std::size_t c = 0; c < 3; ++c)
+      color[c] = finite(scene_linear.pixels[p * channels + rgb[c]]);
+    const float largest = *std::max_element(color.begin(), color.end());
+    if (!(largest > 0.0f)) continue;
+    // Half of white: brightness is not what is asked for.
+    for (float& value : color) value *= 0.5f / largest;
+    std::array<float, 3> shown = color;
+    to_codes->applyRGB(shown.data());
+    for (float& code : shown) code = std::clamp(code, 0.0f, 1.0f);
+    from_codes->applyRGB(shown.data());
+    // OCIO's fast powers there and back lose 1e-4.
+    constexpr float kTolerance = 2e-3f;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (std::abs(shown[c] - color[c]) > kTolerance) outside[p] = true;
+    }
+  }
+  return outside;
+}
+
 double auto_exposure_ev(const Image& scene_linear) {
   const RgbIndices rgb = rgb_indices(scene_linear);
   const std::size_t channels = scene_linear.channel_count();

@@ -28,6 +28,12 @@ Image to_display(const Image& scene_linear, const DisplayOptions& options);
 void convert_space(Image& image, const std::string& from, const std::string& to,
                    const DisplayOptions& options, const std::string& layer = "");
 
+/// Pixels whose chromaticity the display cannot show: colours that do not come back, dimmed below
+/// its white, from the display's own codes of 0 to 1.
+/// Shape:  a value per pixel, row by row.
+/// Errors: as to_display.
+std::vector<bool> outside_gamut(const Image& scene_linear, const DisplayOptions& options);
+
 /// The exposure in EV that auto exposure chooses for an image.
 double auto_exposure_ev(const Image& scene_linear);
 

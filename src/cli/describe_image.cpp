@@ -3,6 +3,7 @@
 #include <variant>
 
 #include "cli/describe.h"
+#include "cli/reproduce.h"
 #include "image/exr.h"
 #include "image/raster.h"
 
@@ -20,6 +21,8 @@ Description describe_exr(const std::filesystem::path& file) {
     out["full_size"] = {header.full_size.x, header.full_size.y};
   }
   out["compression"] = header.compression;
+  if (header.tile_size > 0) out["tiles"] = header.tile_size;
+  if (header.part_count > 1) out["parts"] = header.part_count;
   if (header.chromaticities) {
     const auto& xy = *header.chromaticities;
     for (const float value : xy) out["chromaticities"].push_back(short_decimal(value));
@@ -36,10 +39,15 @@ Description describe_exr(const std::filesystem::path& file) {
     out["channels"].push_back(std::move(entry));
   }
   if (!spectral_nm.empty()) out["spectral_channels_nm"] = std::move(spectral_nm);
+  for (const IdNames& ids : header.id_names) {
+    Description& names = out["id_names"][ids.channel];
+    for (const auto& [id, name] : ids.names) names[std::to_string(id)] = name;
+  }
   out["attributes"] = Description::object();
   for (const auto& [name, value] : header.attributes) {
     std::visit([&out, &key = name](const auto& typed) { out["attributes"][key] = typed; }, value);
   }
+  if (const auto command = render_command_of(header)) out["command"] = *command;
   return out;
 }
 

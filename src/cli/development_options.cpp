@@ -25,7 +25,7 @@ std::optional<Vec2d> chromaticity_in(const std::string& text) {
 White white_named(const std::string& name, const Catalogue& catalogue, const Standards& standards,
                   const PreparedScene* scene) {
   if (const auto xy = chromaticity_in(name)) {
-    return {fmt::format("{:g},{:g}", xy->x, xy->y), {}, *xy};
+    return {fmt::format("{},{}", xy->x, xy->y), {}, *xy};
   }
   if (name == "scene") {
     if (scene == nullptr) {

@@ -195,6 +195,7 @@ bool develop_again(const DisplayCommand& arguments, Image& image) {
     image.attributes[name] = value;
   }
   image.attributes["abbe:primaries"] = std::string(kRenderSpace);
+  image.attributes["abbe:developed"] = std::string("anew, from the spectral channels");
   return true;
 }
 

@@ -37,15 +37,14 @@ void add_wavelengths(const RenderSettings& settings, std::map<std::string, Attri
   if (settings.mode != Mode::Spectral) return;
   const WavelengthOptions& wavelengths = settings.wavelengths;
   if (!wavelengths.exact_nm.empty()) {
-    out["abbe:lines"] = fmt::format("{:g} nm", fmt::join(wavelengths.exact_nm, ", "));
+    out["abbe:lines"] = fmt::format("{} nm", fmt::join(wavelengths.exact_nm, ","));
     return;
   }
   out["abbe:wavelengths"] = wavelengths.count;
-  out["abbe:range"] =
-      fmt::format("{:g}:{:g} nm", wavelengths.range_min_nm, wavelengths.range_max_nm);
+  out["abbe:range"] = fmt::format("{}:{} nm", wavelengths.range_min_nm, wavelengths.range_max_nm);
   if (settings.bands) {
-    out["abbe:bands"] = fmt::format("{:g}:{:g}:{:g} nm", settings.bands->begin_nm,
-                                    settings.bands->end_nm, settings.bands->step_nm);
+    out["abbe:bands"] = fmt::format("{}:{}:{} nm", settings.bands->begin_nm, settings.bands->end_nm,
+                                    settings.bands->step_nm);
   }
 }
 
@@ -80,6 +79,7 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
   out["abbe:cutoff"] = settings.cutoff;
   out["abbe:drop"] = settings.drop ? 1 : 0;
   out["abbe:seed"] = fmt::format("{}", settings.seed);
+  if (!settings.aovs.empty()) out["abbe:aov"] = fmt::format("{}", fmt::join(settings.aovs, ","));
 
   if (settings.bands || !settings.wavelengths.exact_nm.empty()) {
     // The layout of Fichet, Pacanowski & Wilkie, JCGT 10(3), 2021.

@@ -1,6 +1,8 @@
 /// `abbe inspect` and `abbe spectra`: what is understood of files.
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "program.h"
@@ -99,6 +101,84 @@ TEST_F(InspectTest, spectra_are_listed_and_shown) {
   EXPECT_THAT(glass.at("source").get<std::string>(), HasSubstr("SCHOTT"));
   EXPECT_THAT(abbe({"spectra", "list"}).out, HasSubstr("glass/schott/N-SF11"));
   EXPECT_THAT(abbe({"spectra", "show", "Au-Johnson"}).out, HasSubstr("Johnson"));
+}
+
+// Renders with some options, and again by the command that inspect prints.
+class ReproduceTest : public ProgramTest {
+ protected:
+  void expect_same_bytes_again(const Arguments& options) const {
+    Arguments arguments{"render", "scene.gltf", "-o", "a.exr", "--size", "30x20", "--spp", "2"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Outcome run = abbe(arguments);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const Outcome inspect = abbe({"inspect", "a.exr", "--json"});
+    ASSERT_EQ(inspect.exit_code, 0) << inspect.err;
+    std::string command = nlohmann::json::parse(inspect.out)["command"];
+    const auto replace = [&command](const std::string& what, const std::string& by) {
+      const std::size_t at = command.find(what);
+      if (at != std::string::npos) command.replace(at, what.size(), by);
+    };
+    replace("abbe render SCENE -o OUT.exr",
+            std::string(ABBE_PROGRAM) + " render scene.gltf -o b.exr");
+    replace("FILE.csv", "camera.csv");
+    command = "cd '" + folder().string() + "' && " + command + " --quiet";
+    ASSERT_EQ(std::system(command.c_str()), 0) << command;
+    EXPECT_EQ(bytes("a.exr"), bytes("b.exr")) << command;
+  }
+};
+
+TEST_F(ReproduceTest, command_of_a_plain_render_makes_the_same_bytes) {
+  expect_same_bytes_again({});
+}
+
+TEST_F(ReproduceTest, command_of_an_elaborate_render_makes_the_same_bytes) {
+  expect_same_bytes_again({"--bands",       "400:700:12.5",
+                           "--range",       "390:710.5",
+                           "--aov",         "Z,objectId,direct,spectralAlbedo",
+                           "--wavelengths", "12",
+                           "--filter",      "mitchell",
+                           "--depth",       "5",
+                           "--cutoff",      "0.0123",
+                           "--seed",        "7",
+                           "--crop",        "3,2,21,17",
+                           "--camera",      "eye",
+                           "--half",        "--multipart",
+                           "--tiles",       "16",
+                           "--compression", "zips"});
+}
+
+TEST_F(ReproduceTest, command_of_another_observer_white_and_space_makes_the_same_bytes) {
+  expect_same_bytes_again({"--observer", "cie1964", "--white", "0.31234567,0.33", "--adaptation",
+                           "bradford", "--colorspace", "Linear Rec.2020"});
+  expect_same_bytes_again({"--white", "scene", "--drop", "--mode", "rgb3"});
+  expect_same_bytes_again({"--lines", "486.1327,587.5618", "--white", "A"});
+}
+
+TEST_F(ReproduceTest, command_of_a_camera_asks_for_its_file) {
+  std::string csv = "nm,r,g,b\n";
+  for (int nm = 380; nm <= 780; nm += 20) {
+    csv += std::to_string(nm);
+    for (const double center : {600.0, 540.0, 460.0}) {
+      csv += "," + std::to_string(std::exp(-0.5 * std::pow((nm - center) / 40.0, 2.0)));
+    }
+    csv += "\n";
+  }
+  write("camera.csv", csv);
+  expect_same_bytes_again({"--observer", "camera.csv"});
+  const Outcome inspect = abbe({"inspect", "a.exr"});
+  EXPECT_THAT(inspect.out, testing::HasSubstr("csv:"));
+  EXPECT_THAT(inspect.out, testing::Not(testing::HasSubstr("camera.csv")));
+}
+
+TEST_F(ReproduceTest, files_of_others_and_developed_anew_have_no_command) {
+  ASSERT_EQ(abbe({"render", "scene.gltf", "-o", "a.exr", "--size", "8x8", "--spp", "1", "--bands",
+                  "400:700:50"})
+                .exit_code,
+            0);
+  ASSERT_EQ(abbe({"display", "a.exr", "-o", "b.exr", "--white", "A"}).exit_code, 0);
+  const auto developed = nlohmann::json::parse(abbe({"inspect", "b.exr", "--json"}).out);
+  EXPECT_FALSE(developed.contains("command"));
+  EXPECT_EQ(developed["attributes"]["abbe:white"], "illuminant/A");
 }
 
 }  // namespace

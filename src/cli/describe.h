@@ -28,7 +28,19 @@ Description describe_image(const std::filesystem::path& file);
 /// A float as the shortest decimal that is the same float: 0.3, not 0.30000001192092896.
 double short_decimal(float value);
 
-/// One file of the catalogue.
-Description describe_spectrum(const CatalogueEntry& entry);
+/// What a spectrum is among others: the folder of the catalogue that holds it ("glass", "metal"),
+/// or its quantity when it lies in none.
+std::string kind_of(const CatalogueEntry& entry);
+
+/// How a spectrum is looked at.
+struct SpectrumView {
+  Observer observer;    ///< CIE 1931.
+  std::string lamp_id;  ///< Of the lamp under which a reflectance has its colour.
+  Spectrum lamp;
+  std::vector<double> at_nm;  ///< Wavelengths at which values are wanted as well.
+};
+
+/// One file of the catalogue: source, range, and the numbers that suit its quantity.
+Description describe_spectrum(const CatalogueEntry& entry, const SpectrumView& view);
 
 }  // namespace abbe

@@ -73,8 +73,7 @@ inline constexpr float kLeastSpread = 0.0005f;
 // Where rays are compared when a packet is divided, in parts of the longest side of the scene.
 inline constexpr float kSplitWay = 0.25f;
 
-// The lanes on one side of a gap that parts the lanes of a row, none if it is less than half as
-// wide as the whole.
+// The lanes on one side of a gap that parts the lanes of a row, none if it is not wide enough.
 HWY_INLINE std::uint32_t BelowGap(const float* row, float low, float high) {
   const LaneF d;
   const auto middle = hn::Set(d, low + 0.5f * (high - low));

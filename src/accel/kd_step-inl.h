@@ -232,13 +232,6 @@ HWY_INLINE void PrefetchAll(const KdView& view, KdChild cell) {
   }
 }
 
-// The first line of a node or leaf.
-HWY_INLINE void PrefetchCell(const KdView& view, KdChild cell) {
-  const std::uint32_t index = cell & kIndexMask;
-  hwy::Prefetch(cell >= kLeafBit ? static_cast<const void*>(view.blocks + index)
-                                 : static_cast<const void*>(view.nodes + index));
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace abbe
 HWY_AFTER_NAMESPACE();

@@ -38,12 +38,22 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       fmt::format("weight below which a fan no longer branches (default: {:g})", settings.cutoff));
   command.add_flag("--drop", settings.drop,
                    "end fans below the cutoff instead of following one child; loses energy");
+  add_shown(command, "--caustics", options.caustics, "HOW",
+            "light of lamps through and off flat facets: exact, or off for straight shadow rays "
+            "(default: exact)");
+  add_number(command, "--chain", settings.inner_reflections, "N",
+             fmt::format("most reflections inside a body on the way from a lamp (default: {})",
+                         settings.inner_reflections));
   add_number(command, "--seed", settings.seed, "N", "of the sampling pattern (default: 0)");
 }
 
 void resolve_settings(SceneOptions& options) {
   RenderSettings& settings = options.settings;
   settings.mode = mode_from_name(options.mode);
+  if (options.caustics != "exact" && options.caustics != "off") {
+    throw_usage_error("--caustics", options.caustics, "a way to follow light", {"exact", "off"});
+  }
+  settings.caustics = options.caustics == "exact";
   if (!options.size.empty()) settings.size = parse_size(options.size);
   if (!options.range.empty()) {
     const auto [low, high] = parse_range(options.range);

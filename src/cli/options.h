@@ -21,6 +21,7 @@ struct SceneOptions {
   std::string size;                     ///< Empty: in the camera's shape.
   std::string mode = "spectral";
   std::string range, lines;
+  std::string caustics = "exact";
   int threads = 0;
   RenderSettings settings;  ///< The numbers; complete after resolve_settings.
 };

@@ -108,8 +108,7 @@ ExitCode run_probe(ProbeArguments& arguments) {
         fmt::format("a pixel from 0,0 to {},{}", settings.size.x - 1, settings.size.y - 1));
   }
   const World world =
-      make_world(prepared.scene, {.mode = settings.mode, .wavelengths = settings.wavelengths},
-                 standards.observer, standards.d65, notes);
+      make_world(prepared.scene, world_options(settings), standards.observer, standards.d65, notes);
   console.show(notes);
   const Probed probed = trace(world, prepared.chosen_camera(), settings, pixel, arguments.sample);
   const std::vector<ProbeNode> nodes =

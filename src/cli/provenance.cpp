@@ -77,6 +77,8 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
   out["abbe:filter"] = settings.filter;
   out["abbe:depth"] = settings.max_depth;
   out["abbe:cutoff"] = settings.cutoff;
+  out["abbe:caustics"] = std::string(settings.caustics ? "exact" : "off");
+  out["abbe:chain"] = settings.inner_reflections;
   out["abbe:drop"] = settings.drop ? 1 : 0;
   out["abbe:seed"] = fmt::format("{}", settings.seed);
   if (!settings.aovs.empty()) out["abbe:aov"] = fmt::format("{}", fmt::join(settings.aovs, ","));

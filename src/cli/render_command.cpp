@@ -139,10 +139,9 @@ ExitCode run_render(RenderArguments& arguments) {
 
   const DevelopmentOptions development =
       development_options(arguments.development, catalogue, standards, &prepared);
-  const World world = make_world(
-      prepared.scene,
-      {.mode = settings.mode, .wavelengths = settings.wavelengths, .development = development},
-      standards.observer, standards.d65, notes);
+  WorldOptions options = world_options(settings);
+  options.development = development;
+  const World world = make_world(prepared.scene, options, standards.observer, standards.d65, notes);
   times.build_seconds = world.build_seconds;
 
   const InterruptGuard interrupt;

@@ -65,8 +65,15 @@ nlohmann::json stats_json(const World& world, const RenderResult& result, const 
                    {"peak_bytes", stats.peak_queue_bytes}};
   json["energy_lost"] = {{"depth", share(stats.weight_lost_to_depth, stats.weight_started)},
                          {"cutoff", share(stats.weight_lost_to_cutoff, stats.weight_started)}};
+  const CausticReport& caustics = world.caustics;
+  json["caustics"] = {{"bodies", caustics.bodies},
+                      {"facets", caustics.facets},
+                      {"chains", caustics.chains},
+                      {"share_cut", caustics.share_cut},
+                      {"straight", caustics.fallbacks}};
   json["bytes"] = {{"geometry", world.geometry_bytes()},
                    {"accelerator", world.tree.bytes()},
+                   {"chains", world.chain_rows.capacity() * sizeof(float)},
                    {"peak_memory", peak_memory_bytes()}};
   json["dropped_samples"] = result.dropped_samples;
   json["complete"] = result.complete;

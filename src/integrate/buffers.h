@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "accel/query.h"
@@ -24,6 +25,9 @@ struct ShadowJob {
   MediumStack media;
   FanOrigin first_turn = FanOrigin::Camera;
   bool spread = false;
+  bool ends_at_glass = false;  ///< Flat glass blocks it: that light comes on chains.
+  /// A part of a chain's way that only multiplies the visibility of another job, of this data.
+  std::optional<std::uint32_t> gate_of;
 };
 
 struct IntegratorScratch::Buffers {

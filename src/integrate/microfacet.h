@@ -6,11 +6,9 @@
 
 #include "base/constants.h"
 #include "math/vec.h"
+#include "scene/scene.h"
 
 namespace abbe {
-
-/// Surfaces below this roughness are treated as perfectly smooth: their lobe is narrower than 0.1°.
-inline constexpr float kSmoothRoughness = 0.03f;
 
 /// Smith's masking of GGX for a direction at cosine `cos_theta`: the share of microfacets seen.
 /// Domain: cos_theta in (0, 1], alpha = roughness² > 0.

@@ -19,6 +19,7 @@ struct Passage {
   LaneMask lanes;
   std::uint32_t visibility = 0;  ///< Offset in Buffers::shadow_data.
   int set = 0;
+  bool ends_at_glass = false;
 };
 
 template <typename Body>
@@ -45,8 +46,8 @@ class Passer {
         job.data + static_cast<std::uint32_t>(world_.lanes.lane_stride());
     if (!job.spread) {
       if (buffers_.shadow_ray_occluded[job.first_query] != 0) return;
-      underway_.push_back(
-          {buffers_.shadow_rays[job.first_query], job.media, job.lanes, visibility, set});
+      underway_.push_back({buffers_.shadow_rays[job.first_query], job.media, job.lanes, visibility,
+                           set, job.ends_at_glass});
       return;
     }
     for_each_lane(job.lanes, world_.lanes.lane_count(), [&](int lane) {
@@ -63,6 +64,7 @@ class Passer {
       passage.lanes.set(lane);
       passage.visibility = visibility;
       passage.set = set;
+      passage.ends_at_glass = job.ends_at_glass;
       underway_.push_back(passage);
     });
   }
@@ -114,6 +116,10 @@ class Passer {
     }
     const SurfacePoint point =
         surface_point(world_, passage.ray.origin, passage.ray.direction, hit);
+    if (passage.ends_at_glass && world_.surface_is_exact[point.surface] != 0) {
+      block(passage);
+      return false;
+    }
     const std::uint32_t number = world_.surfaces[point.surface].material;
     const SurfaceMaterial& material = world_.materials[number];
     const bool is_boundary = material.transmission == Transmission::Medium;

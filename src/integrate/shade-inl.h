@@ -116,14 +116,81 @@ HWY_INLINE void ShadeLanes(D d, int stride, const BoundaryRows& rows, bool infin
   }
 }
 
-/// Light that would reach the camera from one light by direct reflection, per lane, before
-/// visibility: throughput/n² · Φ/r² · f_r · cosθ. Returns whether any lane gets some.
-/// Source: GGX and its height-correlated masking, glTF 2.0 appendix B; KHR_lights_punctual.
+/// KHR_lights_punctual's window of distance and cone of a spot, for a lamp in direction `to_light`.
 template <class D>
-HWY_INLINE bool LightLanes(D d, int stride, const WorldLight& light, const float* light_row,
-                           const BoundaryRows& rows, bool infinite_index, bool has_rough_lobe,
-                           const Interaction& at, const Shading& shading, LightGeometry& geometry,
-                           float* contribution) {
+HWY_INLINE VecOf<D> LampWindow(D d, const WorldLight& light, VecOf<D> distance,
+                               const Vec3Of<D>& to_light) {
+  const auto one = hn::Set(d, 1.0f);
+  const auto zero = hn::Zero(d);
+  auto window = one;
+  if (light.range_m < kInfinity) {
+    const auto ratio = hn::Div(distance, hn::Set(d, light.range_m));
+    const auto ratio2 = hn::Mul(ratio, ratio);
+    window = hn::Max(hn::Min(hn::Sub(one, hn::Mul(ratio2, ratio2)), one), zero);
+  }
+  if (light.type == LightType::Spot) {
+    const auto cosine = Dot3(d, to_light, Set3(d, -light.direction));
+    const auto cone = hn::Max(hn::Min(hn::Add(hn::Mul(cosine, hn::Set(d, light.spot_scale)),
+                                              hn::Set(d, light.spot_offset)),
+                                      one),
+                              zero);
+    window = hn::Mul(window, hn::Mul(cone, cone));
+  }
+  return window;
+}
+
+/// Light of a lamp that arrives straight, per lane, before visibility: Φ/r² and
+/// KHR_lights_punctual's window and cone, or the irradiance of parallel light inside its beam.
+template <class D>
+HWY_INLINE void StraightLight(D d, int stride, const WorldLight& light, const float* light_row,
+                              const LaneArray3& positions, LightGeometry& geometry) {
+  const auto one = hn::Set(d, 1.0f);
+  const auto zero = hn::Zero(d);
+  const int step = static_cast<int>(hn::Lanes(d));
+  for (int i = 0; i < stride; i += step) {
+    Vec3Of<D> to_light;
+    auto attenuation = one;
+    auto distance = hn::Set(d, kInfinity);
+    if (light.type == LightType::Directional) {
+      to_light = Set3(d, -light.direction);
+      if (light.is_beam) {
+        const auto position = Load3(d, positions, i);
+        const auto from_light =
+            Combine3(d, one, position, hn::Set(d, -1.0f), Set3(d, light.position));
+        const auto along = Dot3(d, from_light, Set3(d, light.direction));
+        const auto x = hn::Abs(Dot3(d, from_light, Set3(d, light.beam_x)));
+        const auto y = hn::Abs(Dot3(d, from_light, Set3(d, light.beam_y)));
+        const auto inside =
+            hn::And(hn::Ge(along, zero), hn::And(hn::Le(x, hn::Set(d, light.beam_half_x_m)),
+                                                 hn::Le(y, hn::Set(d, light.beam_half_y_m))));
+        attenuation = hn::IfThenElseZero(inside, one);
+        distance = hn::Max(along, zero);
+      }
+    } else {
+      const auto position = Load3(d, positions, i);
+      const Vec3Of<D> offset{hn::Sub(hn::Set(d, light.position.x), position.x),
+                             hn::Sub(hn::Set(d, light.position.y), position.y),
+                             hn::Sub(hn::Set(d, light.position.z), position.z)};
+      const auto distance2 = hn::Max(Dot3(d, offset, offset), hn::Set(d, 1e-30f));
+      distance = hn::Sqrt(distance2);
+      const auto inverse = hn::Div(one, distance);
+      to_light = {hn::Mul(offset.x, inverse), hn::Mul(offset.y, inverse),
+                  hn::Mul(offset.z, inverse)};
+      attenuation = hn::Mul(hn::Div(one, distance2), LampWindow(d, light, distance, to_light));
+    }
+    Store3(d, to_light, geometry.direction, i);
+    hn::Store(distance, d, geometry.distance_m.v + i);
+    hn::Store(hn::Mul(hn::LoadU(d, light_row + i), attenuation), d, geometry.irradiance.v + i);
+  }
+}
+
+/// Light that would reach the camera by direct reflection of what arrives from a lamp, per lane,
+/// before visibility: throughput/n² · E · f_r · cosθ. Returns whether any lane gets some.
+/// Source: GGX and its height-correlated masking, glTF 2.0 appendix B.
+template <class D>
+HWY_INLINE bool ReflectLight(D d, int stride, const BoundaryRows& rows, bool infinite_index,
+                             bool has_rough_lobe, const Interaction& at, const Shading& shading,
+                             const LightGeometry& geometry, float* contribution) {
   const auto one = hn::Set(d, 1.0f);
   const auto zero = hn::Zero(d);
   const auto inverse_pi = hn::Set(d, static_cast<float>(1.0 / kPi));
@@ -135,41 +202,7 @@ HWY_INLINE bool LightLanes(D d, int stride, const WorldLight& light, const float
     const auto normal = Load3(d, at.normal, i);
     const auto front = hn::Lt(Dot3(d, view, outward), zero);
     const auto side = hn::IfThenElse(front, one, hn::Neg(one));
-
-    Vec3Of<D> to_light;
-    auto attenuation = one;
-    auto distance = hn::Set(d, kInfinity);
-    if (light.type == LightType::Directional) {
-      to_light = {hn::Set(d, -light.direction.x), hn::Set(d, -light.direction.y),
-                  hn::Set(d, -light.direction.z)};
-    } else {
-      const auto position = Load3(d, at.position, i);
-      const Vec3Of<D> offset{hn::Sub(hn::Set(d, light.position.x), position.x),
-                             hn::Sub(hn::Set(d, light.position.y), position.y),
-                             hn::Sub(hn::Set(d, light.position.z), position.z)};
-      const auto distance2 = hn::Max(Dot3(d, offset, offset), hn::Set(d, 1e-30f));
-      distance = hn::Sqrt(distance2);
-      const auto inverse = hn::Div(one, distance);
-      to_light = {hn::Mul(offset.x, inverse), hn::Mul(offset.y, inverse),
-                  hn::Mul(offset.z, inverse)};
-      attenuation = hn::Div(one, distance2);
-      if (light.range_m < kInfinity) {
-        const auto ratio = hn::Div(distance, hn::Set(d, light.range_m));
-        const auto ratio2 = hn::Mul(ratio, ratio);
-        const auto window = hn::Max(hn::Min(hn::Sub(one, hn::Mul(ratio2, ratio2)), one), zero);
-        attenuation = hn::Mul(attenuation, window);
-      }
-      if (light.type == LightType::Spot) {
-        const Vec3Of<D> axis{hn::Set(d, -light.direction.x), hn::Set(d, -light.direction.y),
-                             hn::Set(d, -light.direction.z)};
-        const auto cone =
-            hn::Max(hn::Min(hn::Add(hn::Mul(Dot3(d, to_light, axis), hn::Set(d, light.spot_scale)),
-                                    hn::Set(d, light.spot_offset)),
-                            one),
-                    zero);
-        attenuation = hn::Mul(attenuation, hn::Mul(cone, cone));
-      }
-    }
+    const auto to_light = Load3(d, geometry.direction, i);
     const auto cos_light = Dot3(d, normal, to_light);
     const auto sees_light =
         hn::And(hn::Gt(cos_light, zero), hn::Gt(hn::Mul(side, Dot3(d, outward, to_light)), zero));
@@ -203,15 +236,13 @@ HWY_INLINE bool LightLanes(D d, int stride, const WorldLight& light, const float
       fresnel = hn::Add(hn::Mul(hn::Sub(one, metallic), fresnel), hn::Mul(metallic, metal));
       reflected = hn::Add(reflected, hn::Mul(fresnel, hn::Mul(distribution, visibility)));
     }
-    const auto arriving = hn::Mul(hn::Mul(hn::LoadU(d, light_row + i), attenuation), cos_light);
+    const auto arriving = hn::Mul(hn::Load(d, geometry.irradiance.v + i), cos_light);
     const auto throughput =
         hn::Mul(hn::Load(d, at.throughput.v + i), hn::Load(d, shading.inverse_n2.v + i));
     const auto light_out =
         hn::IfThenElseZero(sees_light, hn::Mul(hn::Mul(throughput, arriving), reflected));
     hn::StoreU(light_out, d, contribution + i);
     any |= !hn::AllTrue(d, hn::Eq(light_out, zero));
-    Store3(d, to_light, geometry.direction, i);
-    hn::Store(distance, d, geometry.distance_m.v + i);
   }
   return any;
 }

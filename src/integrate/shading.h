@@ -25,10 +25,11 @@ struct Shading {
   LaneArray3 reflected, refracted;
 };
 
-/// Direction and distance from every lane to a light.
+/// Where light comes from in every lane: unit directions to it, and how much of it.
 struct LightGeometry {
   LaneArray3 direction;
   LaneArray distance_m;
+  LaneArray irradiance;  ///< Across that direction, before visibility.
 };
 
 }  // namespace abbe

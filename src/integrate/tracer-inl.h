@@ -241,6 +241,7 @@ class Tracer {
   }
 
   void shade_united(const Fan& fan, const FanList& list, const Hit& hit, FanList& next) {
+    if (world_.fog && fan.media.empty()) scatter_united(fan, list, hit.t);
     if (!hit.is_hit()) {
       recorder_.miss(fan, list, fan.lanes);
       return;
@@ -261,11 +262,28 @@ class Tracer {
     shade(fan, fan.lanes, point.surface, front, next);
   }
 
+  // The fog on the way of a united fan; `at` is still free to hold its ray.
+  void scatter_united(const Fan& fan, const FanList& list, float distance_m) {
+    const D d;
+    Splat(d, stride_, fan.origin, b_.at.position);
+    Splat(d, stride_, fan.direction, b_.at.direction);
+    Splat(d, stride_, distance_m, b_.at.distance_m);
+    const float* throughput = list.pool.data() + fan.data;
+    std::copy(throughput, throughput + stride_, fog_throughput_.v);
+    lamps_.scatter(fan, fan.lanes, b_.at.position, b_.at.direction, b_.at.distance_m,
+                   fog_throughput_);
+  }
+
   void shade_spread(const Fan& fan, const FanList& list, std::uint32_t first_packet,
                     FanList& next) {
     const D d;
     load_hits(fan, list, first_packet);
     const LaneMask missed = LanesWith(d, stride_, hits_.primitive, kNoPrimitive, fan.lanes);
+    if (world_.fog && fan.media.empty()) {
+      const float* throughput = list.pool.data() + fan.data;
+      std::copy(throughput, throughput + stride_, fog_throughput_.v);
+      lamps_.scatter(fan, fan.lanes, hits_.origin, hits_.direction, hits_.t, fog_throughput_);
+    }
     if (missed.any()) recorder_.miss(fan, list, missed);
     LaneMask left = fan.lanes - missed;
     find_surfaces(left);
@@ -439,6 +457,10 @@ class Tracer {
         hn::Store(hn::Mul(hn::Load(d, at.throughput.v + i), ExpNegative(d, depth)), d,
                   at.throughput.v + i);
       }
+    }
+
+    if (world_.fog && fan.media.empty()) {
+      FogAttenuate(d, stride_, world_.fog->extinction_per_m, at.distance_m, at.throughput);
     }
 
     recorder_.arrive(fan, lanes, surface, front, at);
@@ -770,6 +792,7 @@ class Tracer {
   Shading shading_;
   LaneArray reflected_, refracted_;  ///< Throughputs of the children being made.
   LaneArray3 saved_normal_;
+  LaneArray fog_throughput_;
 
   // Of the spread fan being shaded: its hits, and the primitives that its lanes met.
   HitLanes hits_;

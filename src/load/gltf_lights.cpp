@@ -129,7 +129,15 @@ Light read_light(Document& document, int index, Spectra& spectra) {
   }
   if (const Json* extension = find_extension(json, "ABBE_light")) {
     const Fields abbe(document, *extension, pointer + "/extensions/ABBE_light");
-    abbe.only({"spectrum"});
+    abbe.only({"spectrum", "beam"});
+    if (const auto beam = abbe.object("beam")) {
+      if (light.type != LightType::Directional) {
+        throw_input_error(document.where(beam->pointer()), "a beam of a " + type + " light",
+                          "one of a directional light");
+      }
+      beam->only({"width", "height"});
+      light.beam = BeamSize{positive(*beam, "width"), positive(*beam, "height")};
+    }
     if (abbe.has("spectrum")) {
       light.spectrum =
           spectra.read(abbe.at("spectrum"), abbe.pointer("spectrum"), SpectrumUse::Emission);
@@ -174,7 +182,18 @@ void apply_abbe_scene(Document& document, int scene_index, Spectra& spectra, Sce
   if (extension == nullptr) return;
   const Fields fields(document, *extension,
                       fmt::format("/scenes/{}/extensions/ABBE_scene", scene_index));
-  fields.only({"ambient"});
+  fields.only({"ambient", "fog"});
+  if (const auto fog = fields.object("fog")) {
+    fog->only({"extinction", "albedo"});
+    Fog result;
+    result.extinction_per_m = fog->required_number("extinction", {0.0, 1e6});
+    if (fog->has("albedo")) {
+      result.albedo =
+          spectra.read(fog->at("albedo"), fog->pointer("albedo"), SpectrumUse::Reflectance)
+              .spectrum;
+    }
+    scene.fog = std::move(result);
+  }
   if (const auto ambient = fields.object("ambient")) {
     ambient->only({"luminance", "spectrum"});
     Ambient result;

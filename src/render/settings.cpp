@@ -63,12 +63,21 @@ std::vector<std::string> aov_names() {
           "cost", "direct", "ambient", "emitted", "reflected", "refracted", "spectralAlbedo"};
 }
 
+WorldOptions world_options(const RenderSettings& settings) {
+  return {.mode = settings.mode,
+          .wavelengths = settings.wavelengths,
+          .caustics = {.exact = settings.caustics,
+                       .inner_reflections = settings.inner_reflections,
+                       .cutoff = settings.cutoff}};
+}
+
 void check_settings(const RenderSettings& settings) {
   check_range("--size", settings.size.x, 1, 65536);
   check_range("--size", settings.size.y, 1, 65536);
   check_range("--spp", settings.samples_per_pixel, 1, 1 << 20);
   check_range("--depth", settings.max_depth, 0, 1000);
   check_range("--cutoff", settings.cutoff, 0.0, 1.0);
+  check_range("--chain", settings.inner_reflections, 0, 8);
   check_range("--threads", settings.threads, 0, 4096);
   check_wavelengths(settings);
   (void)Filter::named(settings.filter);

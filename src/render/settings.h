@@ -11,6 +11,7 @@
 #include "math/vec.h"
 #include "spectrum/wavelength_set.h"
 #include "world/lanes.h"
+#include "world/world.h"
 
 namespace abbe {
 
@@ -25,6 +26,8 @@ struct RenderSettings {
   int max_depth = 16;
   double cutoff = 1e-4;
   bool drop = false;
+  bool caustics = true;       ///< Light bent by flat facets exactly; else straight shadow rays.
+  int inner_reflections = 1;  ///< Of a chain of facets, in one body.
   std::uint32_t seed = 0;
   std::vector<std::string> aovs;  ///< Groups of extra channels, of aov_names().
   int threads = 0;                ///< 0: all cores. Never shapes the image.
@@ -34,6 +37,9 @@ struct RenderSettings {
 /// Groups of extra channels: Z, P, N, albedo, UV, objectId, materialId, cost; direct,
 /// ambient, emitted, reflected, refracted: parts of the light; spectralAlbedo.
 std::vector<std::string> aov_names();
+
+/// How the world has to be made for these settings.
+WorldOptions world_options(const RenderSettings& settings);
 
 /// Errors: usage Error for values out of range, unknown names and contradictions.
 void check_settings(const RenderSettings& settings);

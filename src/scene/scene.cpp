@@ -89,23 +89,31 @@ void add_default_surround(Scene& scene, const Extent& extent, double least_radiu
 
 }  // namespace
 
+Box3f bounds_of(const Scene& scene, const Instance& instance) {
+  Box3f box;
+  if (const auto* mesh = std::get_if<std::uint32_t>(&instance.what)) {
+    for (const Vec3f& position : scene.meshes[*mesh].positions) {
+      extend_by_transformed(box, Vec3d(position), instance.to_world);
+    }
+    return box;
+  }
+  const Shape& shape = std::get<Shape>(instance.what);
+  if (const auto* sphere = std::get_if<SphereShape>(&shape.geometry)) {
+    extend_by_sphere(box, *sphere, instance.to_world);
+  } else {
+    for (const Vec3d& corner : corners_of(std::get<ConvexShape>(shape.geometry))) {
+      extend_by_transformed(box, corner, instance.to_world);
+    }
+  }
+  return box;
+}
+
 Box3f bounds_of(const Scene& scene) {
   Box3f box;
   for (const Instance& instance : scene.instances) {
-    if (const auto* mesh = std::get_if<std::uint32_t>(&instance.what)) {
-      for (const Vec3f& position : scene.meshes[*mesh].positions) {
-        extend_by_transformed(box, Vec3d(position), instance.to_world);
-      }
-      continue;
-    }
-    const Shape& shape = std::get<Shape>(instance.what);
-    if (const auto* sphere = std::get_if<SphereShape>(&shape.geometry)) {
-      extend_by_sphere(box, *sphere, instance.to_world);
-    } else {
-      for (const Vec3d& corner : corners_of(std::get<ConvexShape>(shape.geometry))) {
-        extend_by_transformed(box, corner, instance.to_world);
-      }
-    }
+    const Box3f own = bounds_of(scene, instance);
+    box.low = glm::min(box.low, own.low);
+    box.high = glm::max(box.high, own.high);
   }
   return box;
 }

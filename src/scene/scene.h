@@ -73,6 +73,9 @@ struct SpectralEmission {
   double luminance_cd_per_m2 = 0.0;
 };
 
+/// Surfaces below this roughness are treated as perfectly smooth: their lobe is narrower than 0.1°.
+inline constexpr float kSmoothRoughness = 0.03f;
+
 /// glTF's metallic-roughness model, the KHR extensions the renderer knows, and ABBE_material.
 struct Material {
   std::string name;
@@ -144,6 +147,12 @@ struct Instance {
 
 enum class LightType : std::uint8_t { Point, Spot, Directional };
 
+/// Limits a directional light to a rectangle about the origin of its XY plane.
+struct BeamSize {
+  double width_m = 1.0;   ///< Along X.
+  double height_m = 1.0;  ///< Along Y.
+};
+
 /// KHR_lights_punctual, placed. Shines along −Z of `to_world` (rotation and translation only).
 struct Light {
   std::string name;
@@ -154,6 +163,7 @@ struct Light {
   double range_m = std::numeric_limits<double>::infinity();
   double inner_cone_rad = 0.0;
   double outer_cone_rad = 0.78539816339744831;
+  std::optional<BeamSize> beam;  ///< Directional lights only.
   Mat4d to_world{1.0};
 };
 
@@ -179,6 +189,12 @@ struct Ambient {
   NamedSpectrum spectrum;
 };
 
+/// ABBE_scene.fog: a homogeneous medium outside all bodies that scatters evenly, once.
+struct Fog {
+  double extinction_per_m = 0.0;
+  Reflectance albedo;  ///< Share of what it takes from light that it scatters.
+};
+
 struct Scene {
   std::string name;
   std::vector<TextureImage> images;
@@ -189,11 +205,13 @@ struct Scene {
   std::vector<Light> lights;
   std::vector<Camera> cameras;
   std::optional<Ambient> ambient;
+  std::optional<Fog> fog;
   std::string content_hash;  ///< Hash of the files the scene was made of, 16 hex digits.
 };
 
-/// World bounds of all instances; exact for meshes, conservative for shapes.
+/// World bounds of all instances, or of one; exact for meshes, conservative for shapes.
 Box3f bounds_of(const Scene& scene);
+Box3f bounds_of(const Scene& scene, const Instance& instance);
 
 /// The default rig, when the scene has no light, emission or ambient: a key and a fill lamp and a
 /// dim grey surround, in proportion to the bounds. Add a default camera first: the surround

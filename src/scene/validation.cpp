@@ -43,6 +43,10 @@ class Validator {
     check_all(scene_.instances, "instances", [this](const Instance& i) { check(i); });
     check_all(scene_.lights, "lights", [this](const Light& l) { check(l); });
     check_all(scene_.cameras, "cameras", [this](const Camera& c) { check(c); });
+    if (scene_.fog) {
+      element_ = "fog";
+      require(is_amount(scene_.fog->extinction_per_m), "its extinction", "at least 0");
+    }
     if (scene_.ambient) {
       element_ = "ambient";
       require(is_amount(scene_.ambient->luminance_cd_per_m2), "its luminance", "at least 0");

@@ -158,6 +158,13 @@ void tabulate_lights(const Scene& scene, World& world) {
     light.type = source.type;
     light.position = Vec3f(Vec3d(source.to_world[3]));
     light.direction = Vec3f(glm::normalize(Vec3d(source.to_world * Vec4d(0.0, 0.0, -1.0, 0.0))));
+    if (source.beam) {
+      light.is_beam = true;
+      light.beam_x = Vec3f(glm::normalize(Vec3d(source.to_world[0])));
+      light.beam_y = Vec3f(glm::normalize(Vec3d(source.to_world[1])));
+      light.beam_half_x_m = static_cast<float>(0.5 * source.beam->width_m);
+      light.beam_half_y_m = static_cast<float>(0.5 * source.beam->height_m);
+    }
     if (std::isfinite(source.range_m) && source.range_m > 0.0) {
       light.range_m = static_cast<float>(source.range_m);
     }
@@ -177,6 +184,10 @@ void tabulate_lights(const Scene& scene, World& world) {
           append_row(world, lanes.emission(RgbRec709{source.color_rec709 * source.intensity}));
     }
     world.lights.push_back(std::move(light));
+  }
+  if (scene.fog && scene.fog->extinction_per_m > 0.0) {
+    world.fog = WorldFog{static_cast<float>(scene.fog->extinction_per_m),
+                         append_row(world, lanes.reflectance(scene.fog->albedo))};
   }
   if (scene.ambient && scene.ambient->luminance_cd_per_m2 > 0.0) {
     if (!scene.ambient->spectrum.id.empty()) {

@@ -216,6 +216,7 @@ World make_world(const Scene& scene, const WorldOptions& options, const Observer
                            "placed in the scene",
                            flattener.dropped_triangles()));
   }
+  add_chains(scene, options.caustics, notes, world);
   const std::vector<VisibilityMask> masks = masks_of(world);
   world.tree = KdTree::build({.positions = world.positions,
                               .triangles = world.triangles,

@@ -13,6 +13,8 @@
 #include "accel/kd_tree.h"
 #include "base/notes.h"
 #include "scene/scene.h"
+#include "world/chains.h"
+#include "world/flat_bodies.h"
 #include "world/lanes.h"
 #include "world/texture.h"
 
@@ -91,7 +93,19 @@ struct WorldLight {
   Vec3f direction{0.0f, 0.0f, -1.0f};  ///< In which it shines.
   float range_m = kInfinity;
   float spot_scale = 0.0f, spot_offset = 0.0f;
+  // A beam shines from a rectangle about `position`, with these axes and half widths.
+  bool is_beam = false;
+  /// Light through flat glass comes on chains; straight rays end there.
+  bool has_chains = false;
+  Vec3f beam_x{1.0f, 0.0f, 0.0f}, beam_y{0.0f, 1.0f, 0.0f};
+  float beam_half_x_m = 0.0f, beam_half_y_m = 0.0f;
   RowId row = 0;
+};
+
+/// Fog outside all bodies.
+struct WorldFog {
+  float extinction_per_m = 0.0f;
+  RowId albedo = 0;
 };
 
 /// Everything the integrator reads; nothing in it changes while rays are traced.
@@ -123,6 +137,14 @@ struct World {
 
   std::vector<WorldLight> lights;
   std::optional<RowId> ambient;
+  std::optional<WorldFog> fog;
+
+  FlatBodies flat;            ///< Empty without exact caustics.
+  std::vector<Chain> chains;  ///< Largest first.
+  std::vector<float> chain_rows;
+  /// Per surface: whether light that it lets pass is on chains, and straight rays end there.
+  std::vector<std::uint8_t> surface_is_exact;
+  CausticReport caustics;
   std::vector<WorldTexture> textures;
   RowId d65 = 0;  ///< Emission of D65 at 1 cd/m², for textured emission.
   RowId uplift_abscissa =
@@ -142,6 +164,7 @@ struct WorldOptions {
   Mode mode = Mode::Spectral;
   WavelengthOptions wavelengths;
   DevelopmentOptions development = {};
+  CausticOptions caustics = {};
 };
 
 /// Flattens, tabulates and builds. Degenerate and non-finite triangles that arise from an

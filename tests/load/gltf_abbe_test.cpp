@@ -129,23 +129,43 @@ TEST_F(GltfAbbe, light_spectra_that_mean_nothing_are_errors) {
   }
 }
 
-TEST_F(GltfAbbe, beam_is_a_note) {
+TEST_F(GltfAbbe, beam_of_a_directional_light_keeps_its_size) {
   document["extensions"]["KHR_lights_punctual"]["lights"] = {
-      {{"type", "directional"}, {"extensions", {{"ABBE_light", {{"beam", {{"width", 1}}}}}}}}};
+      {{"type", "directional"},
+       {"extensions", {{"ABBE_light", {{"beam", {{"width", 0.5}, {"height", 2}}}}}}}}};
   node()["extensions"]["KHR_lights_punctual"]["light"] = 0;
-  load();
-  EXPECT_THAT(notes_text(), HasSubstr("ABBE_light/beam"));
+  const Scene scene = load();
+  ASSERT_TRUE(scene.lights.at(0).beam);
+  EXPECT_EQ(scene.lights[0].beam->width_m, 0.5);
+  EXPECT_EQ(scene.lights[0].beam->height_m, 2.0);
+}
+
+TEST_F(GltfAbbe, beam_of_another_light_is_an_error) {
+  document["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "point"},
+       {"extensions", {{"ABBE_light", {{"beam", {{"width", 0.5}, {"height", 2}}}}}}}}};
+  node()["extensions"]["KHR_lights_punctual"]["light"] = 0;
+  EXPECT_THROW(load(), Error);
+}
+
+TEST_F(GltfAbbe, fog_of_the_scene) {
+  document["scenes"][0]["extensions"]["ABBE_scene"] = {
+      {"fog", {{"extinction", 0.25}, {"albedo", 0.5}}}};
+  const Scene scene = load();
+  ASSERT_TRUE(scene.fog);
+  EXPECT_EQ(scene.fog->extinction_per_m, 0.25);
+  EXPECT_EQ(std::get<Spectrum>(scene.fog->albedo).value(500), 0.5);
 }
 
 TEST_F(GltfAbbe, ambient_of_the_scene) {
   document["scenes"][0]["extensions"]["ABBE_scene"] = {
       {"ambient", {{"luminance", 3}, {"spectrum", {{"blackbody", 5000}}}}},
-      {"fog", Json::object()}};
+      {"weather", Json::object()}};
   const Scene scene = load();
   ASSERT_TRUE(scene.ambient);
   EXPECT_EQ(scene.ambient->luminance_cd_per_m2, 3.0);
   EXPECT_GT(scene.ambient->spectrum.spectrum.value(500), 0.0);
-  EXPECT_THAT(notes_text(), HasSubstr("ABBE_scene/fog"));
+  EXPECT_THAT(notes_text(), HasSubstr("ABBE_scene/weather"));
   document["scenes"][0]["extensions"]["ABBE_scene"] = {{"ambient", {{"luminance", 3}}}};
   EXPECT_EQ(load().ambient->spectrum.id, "illuminant/D65");
 }

@@ -31,14 +31,6 @@ void add_mesh(Scene& scene, Mesh mesh, std::uint32_t material, const Mat4d& to_w
   scene.instances.push_back(std::move(instance));
 }
 
-void add_shape(Scene& scene, Shape shape, std::uint32_t material, const Mat4d& to_world) {
-  shape.material = material;
-  Instance instance;
-  instance.what = std::move(shape);
-  instance.to_world = to_world;
-  scene.instances.push_back(std::move(instance));
-}
-
 Material plain() {
   Material material;
   material.metallic = 0.0f;
@@ -103,6 +95,14 @@ Material mirror(const std::string& conductor_id) {
 std::uint32_t add(Scene& scene, Material material) {
   scene.materials.push_back(std::move(material));
   return static_cast<std::uint32_t>(scene.materials.size() - 1);
+}
+
+void add_shape(Scene& scene, Shape shape, std::uint32_t material, const Mat4d& to_world) {
+  shape.material = material;
+  Instance instance;
+  instance.what = std::move(shape);
+  instance.to_world = to_world;
+  scene.instances.push_back(std::move(instance));
 }
 
 void add_sphere(Scene& scene, std::uint32_t material, const Vec3d& center, double radius_m) {
@@ -189,8 +189,8 @@ Camera perspective_camera(const Vec3d& eye, const Vec3d& target, double yfov_deg
 
 World make_world(const Scene& scene, const RenderSettings& settings) {
   Notes notes;
-  return abbe::make_world(scene, {.mode = settings.mode, .wavelengths = settings.wavelengths},
-                          catalogue().observer(), catalogue().illuminant("illuminant/D65"), notes);
+  return abbe::make_world(scene, world_options(settings), catalogue().observer(),
+                          catalogue().illuminant("illuminant/D65"), notes);
 }
 
 RenderResult render(const Scene& scene, const RenderSettings& settings) {

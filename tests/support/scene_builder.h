@@ -30,6 +30,7 @@ Material mirror(const std::string& conductor_id);
 
 /// Adds a material, an instance; return their numbers.
 std::uint32_t add(Scene& scene, Material material);
+void add_shape(Scene& scene, Shape shape, std::uint32_t material, const Mat4d& to_world);
 void add_sphere(Scene& scene, std::uint32_t material, const Vec3d& center, double radius_m);
 /// A box as an exact polyhedron; `to_world` places its centre.
 void add_box(Scene& scene, std::uint32_t material, const Vec3d& half_m, const Mat4d& to_world);

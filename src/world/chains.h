@@ -1,0 +1,92 @@
+/// Chains: the ways on which light of a lamp goes round a corner over flat facets, each known
+/// without chance.
+///
+/// Parallel light. Behind every facet of a chain all rays of one wavelength are parallel again, so
+/// the light that leaves is a prism in space: the part of the last facet that all facets before it
+/// let through, swept along one direction. A point is lit when it lies inside the planes of that
+/// prism. Its irradiance across the beam is the lamp's times
+///   Π τ_j · cosθ_i,j/cosθ_t,j   over refractions and   Π ρ_j   over reflections:
+/// τ and ρ are Fresnel's shares of power, and a bundle of cross section A that meets a facet under
+/// θ_i covers A/cosθ_i of it and leaves with A·cosθ_t/cosθ_i; a reflection keeps the cross section.
+///
+/// A point source. Fermat: the optical length Σ n|p_j+1 − p_j| over points of the facets' planes is
+/// a convex function, a sum of lengths of affine functions, once reflections are unfolded; so there
+/// is at most one path, and it is the minimum. See optics/fermat-inl.h for the irradiance.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "math/vec.h"
+#include "scene/scene.h"
+#include "world/flat_bodies.h"
+
+namespace abbe {
+
+struct World;
+
+/// What happens to light at a facet of a chain.
+enum class ChainEvent : std::uint8_t { Enter, Leave, ReflectInside, ReflectOutside };
+
+/// A facet of a chain.
+struct ChainStep {
+  ChainEvent event = ChainEvent::Enter;
+  std::uint32_t facet = 0;     ///< Index into World::flat.
+  std::uint32_t material = 0;  ///< Of its body.
+  Vec3f normal{0.0f};
+  float distance_m = 0.0f;  ///< Plane n·x = distance, x relative to the chain's origin.
+  bool is_checked = false;  ///< The way inside that ends here may meet something.
+};
+
+/// One chain of one light. What depends on the wavelength lies in World::chain_rows, per wavelength
+/// set `array_count` arrays of lane_stride floats from `rows` on. Parallel light: its weight (0 in
+/// lanes that no light passes), the direction x, y, z after each step, then per side plane
+/// normal x, y, z and offset: a point is lit where all normal·x + offset ≥ 0.
+struct Chain {
+  std::uint32_t light = 0;
+  std::vector<ChainStep> steps;
+  bool ends_inside = false;  ///< It lights the inside of the last step's body.
+  Vec3f origin{0.0f};        ///< Points are taken relative to it: keeps precision.
+  // All it lights lies in a cone, of which the tip is this sphere: for a quick no.
+  Vec3f bound_center{0.0f};  ///< World coordinates.
+  float bound_radius_m = 0.0f;
+  Vec3f bound_axis{0.0f, 0.0f, 1.0f};
+  float bound_tan = 0.0f;  ///< Of its half angle.
+  int side_count = 0;
+  std::size_t rows = 0;
+  float largest = 0.0f;  ///< Largest weight of any lane.
+
+  std::size_t array_count() const {
+    return 1 + 3 * steps.size() + 4 * static_cast<std::size_t>(side_count);
+  }
+};
+
+/// How light is followed over facets.
+struct CausticOptions {
+  bool exact = true;          ///< Otherwise straight shadow rays everywhere.
+  int inner_reflections = 1;  ///< Most of them in one body.
+  double cutoff = 1e-4;       ///< Chains whose weight stays below this are cut.
+};
+
+/// What was found and what was left out.
+struct CausticReport {
+  std::size_t bodies = 0, facets = 0, chains = 0;
+  double share_cut = 0.0;  ///< Share of the light on facets that chains below the cutoff carried.
+  std::vector<std::string> fallbacks;  ///< As in FlatBodies.
+};
+
+/// Most bodies that one chain goes through.
+inline constexpr int kMostChainBodies = 2;
+
+/// Most facets of a chain.
+inline constexpr std::size_t kMostChainSteps = 16;
+
+/// Finds the flat bodies of a scene and the chains of its lights, largest weight first. Fills
+/// World::flat, chains, chain_rows, surface_is_exact, and caustics.
+/// Domain: materials, lights and surfaces are already in the world.
+void add_chains(const Scene& scene, const CausticOptions& options, Notes& notes, World& world);
+
+}  // namespace abbe

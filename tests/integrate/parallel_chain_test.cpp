@@ -1,0 +1,156 @@
+// Parallel light through and off flat facets, against closed forms.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/constants.h"
+#include "image/exr.h"
+#include "optics/dispersion.h"
+#include "optics/fresnel.h"
+#include "support/scene_builder.h"
+
+namespace abbe {
+namespace {
+
+RenderSettings line_settings() {
+  RenderSettings settings = test::small_settings();
+  settings.wavelengths.exact_nm = {kLineF_nm, kLine_d_nm, kLineC_nm};
+  return settings;
+}
+
+// Radiance at the middle of the picture.
+float radiance(const Scene& scene, RenderSettings settings, double wavelength_nm) {
+  return test::pixel(test::render(scene, settings).image, 4, 4,
+                     spectral_channel_name(wavelength_nm));
+}
+
+// A camera that looks at one point of a matte surface, along `direction`.
+Camera spot_camera(const Vec3d& target, const Vec3d& direction) {
+  return test::orthographic_camera(target - 3.0 * direction, target, 1e-5, 1e-5);
+}
+
+// A matte floor at y = 0, seen at one point from a side; a lamp straight above or aslant.
+Scene floor_scene(const Vec3d& light_direction, const Vec3d& target) {
+  Scene scene;
+  test::add_square(scene, test::add(scene, test::matte(Vec3f(1.0f))), 20.0,
+                   test::rotation({1, 0, 0}, -90.0));
+  scene.lights.push_back(test::directional_light(light_direction, 1000.0));
+  scene.cameras.push_back(spot_camera(target, glm::normalize(Vec3d(0.9, -0.3, 0.0))));
+  return scene;
+}
+
+TEST(ParallelChain, slab_of_glass_dims_by_both_fresnel_factors_and_absorption) {
+  const Vec3d direction = glm::normalize(Vec3d(0.3, -1.0, 0.0));
+  Scene scene = floor_scene(direction, {-1.0, 0.0, 0.0});
+  RenderSettings settings = line_settings();
+  const float open = radiance(scene, settings, kLine_d_nm);
+  Material glass = test::glass("glass/schott/N-SF11");
+  glass.absorption_per_m = Spectrum::constant(2.0);
+  test::add_box(scene, test::add(scene, glass), {1.0, 0.05, 1.0}, test::translation({-1, 0.5, 0}));
+  const double n = refractive_index(glass.index, kLine_d_nm);
+  const double sin_t = std::sqrt(1.0 - direction.y * direction.y) / n;
+  const double tau = fresnel_dielectric(-direction.y, n).transmittance();
+  const double path_m = 0.1 / std::sqrt(1.0 - sin_t * sin_t);
+  // Parallel faces keep the cross section. Single precision.
+  EXPECT_NEAR(radiance(scene, settings, kLine_d_nm) / open, tau * tau * std::exp(-2.0 * path_m),
+              2e-5);
+}
+
+TEST(ParallelChain, wedge_narrows_the_beam_by_the_cosines) {
+  // Light enters the wedge's flat top at right angles and leaves through the slope below.
+  Scene scene = floor_scene({0, -1, 0}, {0.0, 0.0, 0.0});
+  // Seen from below the thin end.
+  scene.cameras.front() = spot_camera({0, 0, 0}, glm::normalize(Vec3d(-0.9, -0.3, 0.0)));
+  RenderSettings settings = line_settings();
+  const float open = radiance(scene, settings, kLine_d_nm);
+  const double slope = glm::radians(25.0);
+  ConvexShape wedge;
+  wedge.planes = {Vec4d(0, 1, 0, 1.0),
+                  Vec4d(std::sin(slope), -std::cos(slope), 0, -0.5 * std::cos(slope)),
+                  Vec4d(-1, 0, 0, 3.0), Vec4d(0, 0, 1, 1.0), Vec4d(0, 0, -1, 1.0)};
+  const Material glass = test::glass("glass/schott/N-BK7");
+  test::add_shape(scene, {.name = "wedge", .geometry = wedge}, test::add(scene, glass), Mat4d(1.0));
+  const double n = refractive_index(glass.index, kLine_d_nm);
+  const double cos_i = std::cos(slope);
+  const double cos_t = std::sqrt(1.0 - n * n * std::sin(slope) * std::sin(slope));
+  // The deviated light falls aslant on the floor.
+  const double floor_cosine = std::cos(std::asin(n * std::sin(slope)) - slope);
+  const double tau = fresnel_dielectric(1.0, n).transmittance() *
+                     fresnel_dielectric(cos_i, 1.0 / n).transmittance();
+  settings.inner_reflections = 0;
+  EXPECT_NEAR(radiance(scene, settings, kLine_d_nm) / open, tau * cos_i / cos_t * floor_cosine,
+              3e-5);  // Single precision.
+}
+
+TEST(ParallelChain, mirror_lights_the_floor_with_its_reflectance) {
+  // Light comes in horizontally, 45° mirror sends it down.
+  Scene scene = floor_scene({1, 0, 0}, {0.0, 0.0, 0.0});
+  const Material silver = test::mirror("metal/Ag-Johnson");
+  test::add_square(scene, test::add(scene, silver), 0.5,
+                   test::translation({0, 1, 0}) * test::rotation({0, 0, 1}, 45.0) *
+                       test::rotation({0, 1, 0}, -90.0));
+  RenderSettings settings = line_settings();
+  const float lit = radiance(scene, settings, kLine_d_nm);
+  Scene straight = floor_scene({0, -1, 0}, {0.0, 0.0, 0.0});
+  const double expected =
+      fresnel_conductor(std::cos(glm::radians(45.0)), silver.conductor->n.value(kLine_d_nm),
+                        silver.conductor->k.value(kLine_d_nm));
+  EXPECT_NEAR(lit / radiance(straight, settings, kLine_d_nm), expected, 2e-5);  // Single precision.
+}
+
+TEST(ParallelChain, caustics_off_gives_the_straight_ray_and_exact_nothing_twice) {
+  const Vec3d direction = glm::normalize(Vec3d(0.3, -1.0, 0.0));
+  Scene scene = floor_scene(direction, {-1.0, 0.0, 0.0});
+  test::add_box(scene, test::add(scene, test::glass(1.5)), {1.0, 0.05, 1.0},
+                test::translation({-1, 0.5, 0}));
+  RenderSettings settings = line_settings();
+  const float exact = radiance(scene, settings, kLine_d_nm);
+  settings.caustics = false;
+  // Through parallel faces, far from their edges, both are the same light.
+  EXPECT_NEAR(radiance(scene, settings, kLine_d_nm), exact, 1e-4f * exact);
+}
+
+TEST(ParallelChain, opaque_ball_before_behind_or_in_the_glass_blocks_the_light) {
+  for (const double height : {0.9, 0.5, 0.2}) {
+    Scene scene = floor_scene({0, -1, 0}, {-1.0, 0.0, 0.0});
+    test::add_box(scene, test::add(scene, test::glass(1.5)), {1.0, 0.1, 1.0},
+                  test::translation({-1, 0.5, 0}));
+    test::add_sphere(scene, test::add(scene, test::matte(Vec3f(0.5f))), {-1, height, 0}, 0.05);
+    EXPECT_EQ(radiance(scene, line_settings(), kLine_d_nm), 0.0f) << height;
+  }
+}
+
+TEST(ParallelChain, mesh_and_exact_shape_send_the_same_light) {
+  const Vec3d direction = glm::normalize(Vec3d(0.3, -1.0, 0.1));
+  Scene shape = floor_scene(direction, {-1.0, 0.0, 0.0});
+  Scene mesh = shape;
+  const Mat4d place = test::translation({-1, 0.8, 0}) * test::rotation({0, 0, 1}, 20.0);
+  test::add_box(shape, test::add(shape, test::glass(1.5)), {0.6, 0.2, 1.0}, place);
+  test::add_box_mesh(mesh, test::add(mesh, test::glass(1.5)), {0.6, 0.2, 1.0}, place);
+  const float expected = radiance(shape, line_settings(), kLine_d_nm);
+  EXPECT_GT(expected, 0.0f);
+  // Corners of the mesh are in single precision.
+  EXPECT_NEAR(radiance(mesh, line_settings(), kLine_d_nm), expected, 1e-5f * expected);
+}
+
+TEST(ParallelChain, matte_ground_under_water_gets_refracted_light) {
+  const Vec3d direction = glm::normalize(Vec3d(0.6, -0.8, 0.0));
+  Scene scene = floor_scene(direction, {0.0, 0.0, 0.0});
+  scene.cameras.front() = spot_camera({0, 0, 0}, {0, -1, 0});
+  RenderSettings settings = line_settings();
+  const float open = radiance(scene, settings, kLine_d_nm);
+  const double n = 4.0 / 3.0;
+  // A floor of the water's own index does not shine in it.
+  scene.materials.front().index = ConstantIndex{n};
+  test::add_box(scene, test::add(scene, test::glass(n)), {10.0, 0.5, 10.0},
+                test::translation({0, 0.45, 0}));
+  settings.inner_reflections = 0;
+  // Per area of floor the flux is that of the surface: τ·E·cosθ_i; then out to the camera, τ/n².
+  const double expected = fresnel_dielectric(0.8, n).transmittance() *
+                          fresnel_dielectric(1.0, n).transmittance() / (n * n);
+  EXPECT_NEAR(radiance(scene, settings, kLine_d_nm) / open, expected, 3e-5);  // Single precision.
+}
+
+}  // namespace
+}  // namespace abbe

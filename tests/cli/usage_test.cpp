@@ -42,7 +42,7 @@ const WrongUsage kWrong[] = {
     {"two_scenes", render_with({"b.gltf"}), "\"b.gltf\""},
     {"unknown_option", render_with({"--sppp", "4"}), "--spp"},
     {"caustics", render_with({"--caustics", "soft"}),
-     "--caustics: found soft, expected a way to follow light (exact, off)"},
+     "--caustics: found soft, expected a way to follow light (one of exact, off)"},
     {"chain", render_with({"--chain", "9"}), "--chain: found 9, expected a number from 0 to 8"},
     {"later_option_accel", render_with({"--accel", "bvh"}), "unknown option --accel"},
     {"later_option_lamp", render_with({"--lamp", "A"}), "unknown option --lamp"},

@@ -73,6 +73,22 @@ void describe_emission(const Material& material, Description& out) {
   }
 }
 
+Description describe_film(const ThinFilm& film, const Catalogue& catalogue, Notes& notes) {
+  Description out;
+  if (!film.index_id.empty()) {
+    out["material"] = film.index_id;
+    note_range(film.index_id, catalogue, "the index of the film", "continued", notes);
+  }
+  out["n_d"] = refractive_index(film.index, kLine_d_nm);
+  if (film.thickness_texture) out["thickness_min_nm"] = short_decimal(film.thickness_min_nm);
+  out[film.thickness_texture ? "thickness_max_nm" : "thickness_nm"] =
+      short_decimal(film.thickness_max_nm);
+  if (film.factor < 1.0f || film.factor_texture) out["factor"] = short_decimal(film.factor);
+  if (film.factor_texture) out["factor_texture"] = film.factor_texture->texture;
+  if (film.thickness_texture) out["thickness_texture"] = film.thickness_texture->texture;
+  return out;
+}
+
 void note_approximations(const Material& material, const std::string& name, Notes& notes) {
   if (material.unlit) return;
   const bool has_reflection =
@@ -132,6 +148,7 @@ Description describe_material(const Material& material, const Catalogue& catalog
     out["attenuation_color_rec709"] = triple(material.attenuation_color_rec709);
     out["attenuation_distance_m"] = material.attenuation_distance_m;
   }
+  if (material.film) out["film"] = describe_film(*material.film, catalogue, notes);
   describe_emission(material, out);
   if (material.emissive_texture) out["emissive_texture"] = material.emissive_texture->texture;
   if (material.alpha_mode == AlphaMode::Mask)

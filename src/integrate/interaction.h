@@ -40,6 +40,8 @@ struct Interaction {
   LaneArray emission;
   LaneArray metallic, roughness, transmission, alpha;
 
+  LaneArray film_factor, film_thickness_nm;  ///< Filled where the material has a film.
+
   LaneArray throughput;
 };
 

@@ -73,6 +73,10 @@ void FillMaterial(D d, const World& world, const CameraSample& sample, const Fan
     Splat(d, stride, here.roughness, at.roughness);
     Splat(d, stride, here.transmission * (here.metallic < 1.0f ? 1.0f : 0.0f), at.transmission);
     Splat(d, stride, here.alpha, at.alpha);
+    if (material.film) {
+      Splat(d, stride, here.film_factor, at.film_factor);
+      Splat(d, stride, here.film_thickness_nm, at.film_thickness_nm);
+    }
     FillColor(d, world, here.base_color, base_row, set, at.base_color);
     if (!material.emission) {
       Splat(d, stride, 0.0f, at.emission);
@@ -98,6 +102,8 @@ void FillMaterial(D d, const World& world, const CameraSample& sample, const Fan
     at.roughness[lane] = here.roughness;
     at.transmission[lane] = here.metallic < 1.0f ? here.transmission : 0.0f;
     at.alpha[lane] = here.alpha;
+    at.film_factor[lane] = here.film_factor;
+    at.film_thickness_nm[lane] = here.film_thickness_nm;
     at.base_color[lane] = lane_value(world, here.base_color, base_row, set, lane);
     at.emission[lane] = 0.0f;
     if (!material.emission) continue;

@@ -71,6 +71,19 @@ MaterialSample material_sample(const World& world, const SurfaceMaterial& materi
   if (material.transmission_texture) {
     sample.transmission *= texel(world, *material.transmission_texture, point, footprint_m).x;
   }
+  if (material.film) {
+    const SurfaceMaterial::Film& film = *material.film;
+    sample.film_factor = film.factor;
+    sample.film_thickness_nm = film.thickness_max_nm;
+    if (film.factor_texture) {
+      sample.film_factor *= texel(world, *film.factor_texture, point, footprint_m).x;
+    }
+    if (film.thickness_texture) {
+      const float mix = texel(world, *film.thickness_texture, point, footprint_m).y;
+      sample.film_thickness_nm =
+          film.thickness_min_nm + mix * (film.thickness_max_nm - film.thickness_min_nm);
+    }
+  }
   if (material.emission_is_textured || (material.unlit && modulated)) {
     const Vec3f factor = material.unlit
                              ? Vec3f(modulation)

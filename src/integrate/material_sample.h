@@ -35,6 +35,7 @@ struct MaterialSample {
   ColorSample emission;         ///< Its row is SurfaceMaterial::emission.
   float emission_scale = 1.0f;  ///< Of an emission that is looked up alone, in cd/m² of D65.
   float metallic = 0.0f, roughness = 1.0f, transmission = 0.0f;
+  float film_factor = 0.0f, film_thickness_nm = 0.0f;
   float alpha = 1.0f;  ///< Coverage, after the alpha mode.
 };
 

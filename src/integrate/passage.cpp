@@ -5,6 +5,7 @@
 
 #include "integrate/material_sample.h"
 #include "optics/fresnel.h"
+#include "optics/thin_film.h"
 
 namespace abbe {
 namespace {
@@ -163,15 +164,24 @@ class Passer {
         passage.media.empty()
             ? nullptr
             : world_.row(world_.materials[passage.media.top()].index, passage.set);
+    const float* film_n = material.film ? world_.row(material.film->index, passage.set) : nullptr;
+    const float* inverse_wavelength = world_.row(world_.inverse_wavelength, passage.set);
     const float cosine =
         std::min(1.0f, std::abs(glm::dot(passage.ray.direction, point.shading_normal)));
     const float share = (1.0f - sample.metallic) * sample.transmission;
     for_each_lane(passage.lanes, world_.lanes.lane_count(), [&](int lane) {
       float through = 0.0f;
       if (share > 0.0f && !material.index_is_infinite) {
-        const double eta_ti = n_inside[lane] / (n_outside != nullptr ? n_outside[lane] : 1.0f);
-        through = share *
-                  (1.0f - static_cast<float>(fresnel_dielectric(cosine, eta_ti).reflectance())) *
+        const double outside = n_outside != nullptr ? n_outside[lane] : 1.0f;
+        const double inside = n_inside[lane];
+        double reflectance = fresnel_dielectric(cosine, inside / outside).reflectance();
+        if (film_n != nullptr && sample.film_thickness_nm > 0.0f) {
+          const double film =
+              thin_film_reflectance(cosine, outside, film_n[lane], inside, sample.film_thickness_nm,
+                                    1.0 / inverse_wavelength[lane]);
+          reflectance += sample.film_factor * (film - reflectance);
+        }
+        through = share * static_cast<float>(1.0 - reflectance) *
                   lane_value(world_, sample.base_color, base_row, passage.set, lane);
       }
       visibility(passage)[lane] *= (1.0f - sample.alpha) + sample.alpha * through;

@@ -17,6 +17,7 @@
 #include "integrate/microfacet.h"
 #include "integrate/shading.h"
 #include "optics/fresnel-inl.h"
+#include "optics/thin_film-inl.h"
 #include "world/world.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -29,15 +30,49 @@ HWY_INLINE VecOf<D> RowOr(D d, const float* row, int i, float otherwise) {
   return row != nullptr ? hn::LoadU(d, row + i) : hn::Set(d, otherwise);
 }
 
-/// Fresnel's k_r of a surface that is part metal, part dielectric.
+/// The reflectance of a boundary, given that of the bare one, under the film it may carry: mixed by
+/// the share of the surface that the film covers, and the bare one to the last bit where it has no
+/// thickness. n and k are those behind the film, over the index of the medium of arrival.
 template <class D>
-HWY_INLINE VecOf<D> MetalReflectance(D d, const BoundaryRows& rows, int i, VecOf<D> base_color,
-                                     VecOf<D> n_medium, VecOf<D> cosine) {
+HWY_INLINE VecOf<D> UnderFilm(D d, const BoundaryRows& rows, const Interaction& at, int i,
+                              VecOf<D> cosine, VecOf<D> n_medium, VecOf<D> n, VecOf<D> k,
+                              VecOf<D> bare) {
+  if (rows.film_n == nullptr) return bare;
+  const auto thickness_nm = hn::Load(d, at.film_thickness_nm.v + i);
+  const auto waves =
+      hn::Mul(hn::Mul(thickness_nm, n_medium), hn::LoadU(d, rows.inverse_wavelength + i));
+  const auto film =
+      ThinFilmReflectance(d, cosine, hn::Div(hn::LoadU(d, rows.film_n + i), n_medium), n, k, waves);
+  const auto mixed = hn::Add(bare, hn::Mul(hn::Load(d, at.film_factor.v + i), hn::Sub(film, bare)));
+  return hn::IfThenElse(hn::Gt(thickness_nm, hn::Zero(d)), mixed, bare);
+}
+
+/// Fresnel's k_r of the dielectric part of a surface.
+template <class D>
+HWY_INLINE VecOf<D> DielectricPart(D d, const BoundaryRows& rows, const Interaction& at, int i,
+                                   VecOf<D> eta, VecOf<D> n_medium, VecOf<D> cosine,
+                                   VecOf<D>* cos_transmitted) {
+  const auto bare = DielectricReflectance(d, cosine, eta, cos_transmitted);
+  return UnderFilm(d, rows, at, i, cosine, n_medium, eta, hn::Zero(d), bare);
+}
+
+/// Fresnel's k_r of the metallic part. A metal known by its colour alone takes, under a film, the
+/// real index that has this colour at normal incidence, as KHR_materials_iridescence has it.
+template <class D>
+HWY_INLINE VecOf<D> MetalPart(D d, const BoundaryRows& rows, const Interaction& at, int i,
+                              VecOf<D> n_medium, VecOf<D> cosine) {
+  const auto one = hn::Set(d, 1.0f);
   if (rows.conductor_n == nullptr) {
-    return SchlickReflectance(d, base_color, hn::Set(d, 1.0f), cosine);
+    const auto f0 = hn::Load(d, at.base_color.v + i);
+    const auto bare = SchlickReflectance(d, f0, one, cosine);
+    if (rows.film_n == nullptr) return bare;
+    const auto root = hn::Sqrt(hn::Min(f0, hn::Set(d, 0.9999f)));
+    const auto n = hn::Div(hn::Add(one, root), hn::Sub(one, root));
+    return UnderFilm(d, rows, at, i, cosine, n_medium, n, hn::Zero(d), bare);
   }
-  return ConductorReflectance(d, cosine, hn::Div(hn::LoadU(d, rows.conductor_n + i), n_medium),
-                              hn::Div(hn::LoadU(d, rows.conductor_k + i), n_medium));
+  const auto n = hn::Div(hn::LoadU(d, rows.conductor_n + i), n_medium);
+  const auto k = hn::Div(hn::LoadU(d, rows.conductor_k + i), n_medium);
+  return UnderFilm(d, rows, at, i, cosine, n_medium, n, k, ConductorReflectance(d, cosine, n, k));
 }
 
 /// Fills a Shading: shares of light and the directions of the coherent rays.
@@ -69,12 +104,12 @@ HWY_INLINE void ShadeLanes(D d, int stride, const BoundaryRows& rows, bool infin
     const auto eta =
         hn::Div(RowOr(d, rows.n_transmitted, i, 1.0f), RowOr(d, rows.n_incident, i, 1.0f));
     auto cos_transmitted = one;
-    auto dielectric = DielectricReflectance(d, cosine, eta, &cos_transmitted);
+    auto dielectric = DielectricPart(d, rows, at, i, eta, n_medium, cosine, &cos_transmitted);
     if (infinite_index) dielectric = one;
     const auto base_color = hn::Load(d, at.base_color.v + i);
     const auto metallic = hn::Load(d, at.metallic.v + i);
     const auto transmission = hn::Load(d, at.transmission.v + i);
-    const auto metal = MetalReflectance(d, rows, i, base_color, n_medium, cosine);
+    const auto metal = MetalPart(d, rows, at, i, n_medium, cosine);
     const auto dielectric_part = hn::Sub(one, metallic);
     const auto refracted_share =
         hn::Mul(hn::Mul(dielectric_part, hn::Sub(one, dielectric)), base_color);
@@ -227,12 +262,12 @@ HWY_INLINE bool ReflectLight(D d, int stride, const BoundaryRows& rows, bool inf
           hn::Div(hn::Set(d, 0.5f), hn::Add(hn::Mul(cos_light_positive, masking(cos_view)),
                                             hn::Mul(cos_view, masking(cos_light_positive))));
       auto cos_transmitted = one;
-      auto fresnel = DielectricReflectance(d, cos_view_half, hn::Load(d, shading.eta_ti.v + i),
-                                           &cos_transmitted);
+      const auto n_medium = RowOr(d, rows.n_medium, i, 1.0f);
+      auto fresnel = DielectricPart(d, rows, at, i, hn::Load(d, shading.eta_ti.v + i), n_medium,
+                                    cos_view_half, &cos_transmitted);
       if (infinite_index) fresnel = one;
       const auto metallic = hn::Load(d, at.metallic.v + i);
-      const auto metal = MetalReflectance(d, rows, i, hn::Load(d, at.base_color.v + i),
-                                          RowOr(d, rows.n_medium, i, 1.0f), cos_view_half);
+      const auto metal = MetalPart(d, rows, at, i, n_medium, cos_view_half);
       fresnel = hn::Add(hn::Mul(hn::Sub(one, metallic), fresnel), hn::Mul(metallic, metal));
       reflected = hn::Add(reflected, hn::Mul(fresnel, hn::Mul(distribution, visibility)));
     }

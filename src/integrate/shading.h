@@ -12,6 +12,8 @@ struct BoundaryRows {
   const float* n_medium = nullptr;     ///< Of the medium that light arrives in.
   const float* conductor_n = nullptr;  ///< Null: no conductor, metals by Schlick's rule.
   const float* conductor_k = nullptr;
+  const float* film_n = nullptr;              ///< Of a thin film on the boundary; null: none.
+  const float* inverse_wavelength = nullptr;  ///< In nm⁻¹, with film_n.
 };
 
 /// What shading found, per lane.

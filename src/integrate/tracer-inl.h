@@ -450,6 +450,10 @@ class Tracer {
       rows.conductor_n = world_.row(material.conductor_n, set);
       rows.conductor_k = world_.row(material.conductor_k, set);
     }
+    if (material.film) {
+      rows.film_n = world_.row(material.film->index, set);
+      rows.inverse_wavelength = world_.row(world_.inverse_wavelength, set);
+    }
     if (inside != nullptr && inside->absorption_per_m) {
       const float* absorption = world_.row(*inside->absorption_per_m, set);
       for (int i = 0; i < stride_; i += step) {

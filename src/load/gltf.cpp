@@ -141,9 +141,11 @@ class Placer {
 
   void warn_of_missing_uv(const Mesh& mesh, const std::string& pointer) {
     const Material& material = scene_.materials[mesh.material];
+    const ThinFilm film = material.film.value_or(ThinFilm{});
     for (const auto* use :
          {&material.base_color_texture, &material.metallic_roughness_texture,
-          &material.normal_texture, &material.emissive_texture, &material.transmission_texture}) {
+          &material.normal_texture, &material.emissive_texture, &material.transmission_texture,
+          &film.factor_texture, &film.thickness_texture}) {
       if (!*use || !mesh.uv[(*use)->uv_set].empty()) continue;
       document_.notes().warn(document_.where(pointer),
                              fmt::format("its material \"{}\" has textures on TEXCOORD_{}, which "

@@ -5,6 +5,7 @@
 #include "base/constants.h"
 #include "base/error.h"
 #include "load/gltf_check.h"
+#include "load/gltf_film.h"
 #include "load/gltf_materials.h"
 
 namespace abbe::gltf {
@@ -119,7 +120,8 @@ Conductor read_conductor(Document& document, const Fields& extension, Spectra& s
 
 void apply_abbe_material(Document& document, const Fields& extension, const Json& source,
                          Spectra& spectra, Material& material) {
-  extension.only({"dispersion", "conductor", "reflectance", "emission", "absorption", "ambient"});
+  extension.only(
+      {"dispersion", "conductor", "reflectance", "emission", "absorption", "ambient", "film"});
   const Json* pbr = find(&source, "pbrMetallicRoughness");
   const bool states_roughness = find(pbr, "roughnessFactor") != nullptr;
   const bool states_metallic = find(pbr, "metallicFactor") != nullptr;
@@ -160,6 +162,9 @@ void apply_abbe_material(Document& document, const Fields& extension, const Json
                                     .read(extension.at("absorption"),
                                           extension.pointer("absorption"), SpectrumUse::Absorption)
                                     .spectrum;
+  }
+  if (const auto film = extension.object("film")) {
+    apply_abbe_film(*film, document, spectra, material);
   }
   if (extension.has("ambient")) {
     material.ambient_factor = extension.limited("ambient", 0.0, {0.0, 1.0});

@@ -160,6 +160,7 @@ constexpr std::array kUnderstood = {
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_volume",

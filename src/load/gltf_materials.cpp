@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "load/gltf_check.h"
+#include "load/gltf_film.h"
 
 namespace abbe::gltf {
 namespace {
@@ -140,6 +141,7 @@ Material read_material(Document& document, std::size_t index, Textures& textures
   }
   read_index(*extensions, notes, material);
   read_volume(*extensions, notes, material);
+  read_iridescence(*extensions, document, textures, material);
   if (const auto extension = extensions->object("ABBE_material")) {
     apply_abbe_material(document, *extension, json, spectra, material);
   }

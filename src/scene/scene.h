@@ -67,6 +67,17 @@ struct Conductor {
   Spectrum n, k;
 };
 
+/// One lossless layer on a surface, seen by its interference colours.
+struct ThinFilm {
+  Dispersion index = ConstantIndex{1.3};
+  std::string index_id;                      ///< Id of a catalogue material, or empty.
+  float factor = 1.0f;                       ///< Share of the surface that the film covers.
+  std::optional<TextureUse> factor_texture;  ///< R.
+  /// The thickness; a texture's G mixes it from the minimum, without one it is the maximum.
+  float thickness_min_nm = 100.0f, thickness_max_nm = 400.0f;
+  std::optional<TextureUse> thickness_texture;
+};
+
 /// Emission given by spectrum and luminance (cd/m²) instead of RGB.
 struct SpectralEmission {
   NamedSpectrum spectrum;
@@ -110,6 +121,7 @@ struct Material {
   std::optional<Spectrum> absorption_per_m;  ///< Replaces the attenuation above.
 
   std::optional<Conductor> conductor;
+  std::optional<ThinFilm> film;
   std::optional<double> ambient_factor;  ///< k_a; default: diffuse albedo × (1 − F).
 };
 

@@ -78,8 +78,10 @@ class Validator {
   }
 
   void check(const Material& m) const {
+    const ThinFilm film = m.film.value_or(ThinFilm{});
     for (const auto* use : {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
-                            &m.emissive_texture, &m.transmission_texture}) {
+                            &m.emissive_texture, &m.transmission_texture, &film.factor_texture,
+                            &film.thickness_texture}) {
       if (!*use) continue;
       require((*use)->texture < scene_.textures.size(), "a texture out of range",
               "an index into textures");
@@ -108,6 +110,9 @@ class Validator {
       require(abbe->n_d >= 1.0 && std::isfinite(abbe->n_d) && abbe->V_d > 0.0,
               "an index below 1 or an Abbe number of 0", "n_d of at least 1 and V_d above 0");
     }
+    require(is_unit(film.factor), "a film's factor outside its range", "0 to 1");
+    require(is_amount(film.thickness_min_nm) && is_amount(film.thickness_max_nm),
+            "a film's thickness below 0 or not finite", "at least 0");
     if (m.ambient_factor) require(is_unit(*m.ambient_factor), "an ambient factor", "0 to 1");
   }
 

@@ -13,6 +13,9 @@ namespace {
 // Lines at which the RGB modes evaluate what is no colour: R = C, G = d, B = F.
 constexpr double kRgbLines_nm[3] = {kLineC_nm, kLine_d_nm, kLineF_nm};
 
+// Dominant wavelengths of Rec.709's primaries under D65, CIE 1931.
+constexpr double kRec709Hues_nm[3] = {611.4, 549.1, 464.2};
+
 std::vector<float> padded_rgb(const Vec3d& value) {
   return {static_cast<float>(value.x), static_cast<float>(value.y), static_cast<float>(value.z),
           static_cast<float>(value.z)};
@@ -154,6 +157,13 @@ std::vector<float> LaneModel::attenuation(const Vec3d& color_rec709, double dist
 std::vector<float> LaneModel::uplift_abscissa() const {
   if (!quadrature_) return padded_rgb(Vec3d(0.0));
   return quadrature_->tabulate([](double nm) { return (nm - 595.0) / 235.0; });
+}
+
+std::vector<float> LaneModel::inverse_wavelength() const {
+  if (!quadrature_) {
+    return padded_rgb(1.0 / Vec3d(kRec709Hues_nm[0], kRec709Hues_nm[1], kRec709Hues_nm[2]));
+  }
+  return quadrature_->tabulate([](double nm) { return 1.0 / nm; });
 }
 
 std::vector<float> LaneModel::xyz_weights() const {

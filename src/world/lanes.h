@@ -67,6 +67,10 @@ class LaneModel {
   /// (λ_nm − 595)/235 of every lane, the abscissa of uplift_rec709_from_table; 0 in RGB modes.
   std::vector<float> uplift_abscissa() const;
 
+  /// 1/λ in nm⁻¹ of every lane. In RGB modes a channel stands for one wavelength, that on which its
+  /// primary's hue lies: few as they are, they make fringes of thick films that no eye would see.
+  std::vector<float> inverse_wavelength() const;
+
   /// Film weights: responses of the film's observer = Σ weight·radiance. Shape: set_count × 3 ×
   /// lane_stride.
   std::vector<float> xyz_weights() const;

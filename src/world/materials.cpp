@@ -104,6 +104,17 @@ SurfaceMaterial tabulated(const Material& source, World& world, TexturePool& tex
     }
   }
 
+  if (source.film && source.film->factor > 0.0f && !source.unlit) {
+    SurfaceMaterial::Film film;
+    film.index = append_row(world, lanes.index(source.film->index));
+    film.factor = source.film->factor;
+    film.factor_texture = textures.use(source.film->factor_texture, TextureEncoding::Data);
+    film.thickness_texture = textures.use(source.film->thickness_texture, TextureEncoding::Data);
+    film.thickness_min_nm = source.film->thickness_min_nm;
+    film.thickness_max_nm = source.film->thickness_max_nm;
+    material.film = film;
+  }
+
   if (source.emission) {
     material.emission_is_spectrum = true;
     material.emission = append_row(
@@ -140,6 +151,7 @@ RowId append_row(World& world, const std::vector<float>& row) {
 void tabulate_materials(const Scene& scene, World& world) {
   TexturePool textures(scene, world);
   world.d65 = append_row(world, world.lanes.emission(world.lanes.d65()));
+  world.inverse_wavelength = append_row(world, world.lanes.inverse_wavelength());
   world.uplift_abscissa = append_row(world, world.lanes.uplift_abscissa());
   for (const Material& material : scene.materials) {
     world.materials.push_back(tabulated(material, world, textures));

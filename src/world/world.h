@@ -63,12 +63,21 @@ struct SurfaceMaterial {
   RowId conductor_n = 0, conductor_k = 0;
   /// In RGB modes conductors have their colour at normal incidence here, as base_color.
 
+  /// A thin layer on the surface; its textures change factor and thickness.
+  struct Film {
+    RowId index = 0;  ///< n per lane.
+    float factor = 1.0f;
+    float thickness_min_nm = 0.0f, thickness_max_nm = 0.0f;
+    std::optional<TextureUse> factor_texture, thickness_texture;
+  };
+  std::optional<Film> film;
+
   std::optional<float> ambient_factor;
   bool uses_vertex_colors = false;
 
   bool is_textured() const {
     return base_color_texture || metallic_roughness_texture || transmission_texture ||
-           emissive_texture;
+           emissive_texture || (film && (film->factor_texture || film->thickness_texture));
   }
   bool lets_light_pass() const {
     return transmission != Transmission::None || alpha_mode != AlphaMode::Opaque;
@@ -149,6 +158,8 @@ struct World {
   RowId d65 = 0;  ///< Emission of D65 at 1 cd/m², for textured emission.
   RowId uplift_abscissa =
       0;  ///< s of each lane's wavelength, for textured colours (color/uplift.h).
+
+  RowId inverse_wavelength = 0;  ///< 1/λ of each lane in nm⁻¹, for the phases of thin films.
 
   std::vector<std::string> lamp_ids;  ///< Named spectra of the scene's lights, for provenance.
   double build_seconds = 0.0;

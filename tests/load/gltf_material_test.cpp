@@ -297,10 +297,10 @@ TEST_F(GltfMaterial, emission_reflectance_absorption_and_ambient) {
   EXPECT_EQ(notes_text(), "");
 }
 
-TEST_F(GltfMaterial, unknown_and_later_fields_are_notes_that_list_the_valid_ones) {
-  abbe_material() = {{"reflectence", 0.5}, {"film", {{"ior", 1.38}}}};
+TEST_F(GltfMaterial, unknown_fields_are_notes_that_list_the_valid_ones) {
+  abbe_material() = {{"reflectence", 0.5}, {"fluorescence", {{"shift_nm", 40}}}};
   loaded();
-  EXPECT_THAT(notes_text(), HasSubstr("/materials/0/extensions/ABBE_material/film"));
+  EXPECT_THAT(notes_text(), HasSubstr("/materials/0/extensions/ABBE_material/fluorescence"));
   EXPECT_THAT(notes_text(), HasSubstr("/materials/0/extensions/ABBE_material/reflectence"));
   EXPECT_THAT(notes_text(), HasSubstr("dispersion, conductor, reflectance"));
 }

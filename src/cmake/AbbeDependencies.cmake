@@ -8,6 +8,7 @@ set(ABBE_DEPENDENCIES
   nlohmann_json
   OpenEXR
   TinyGLTF
+  yaml-cpp
   CLI11
   OpenColorIO
   OpenImageIO)

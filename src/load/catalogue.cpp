@@ -6,13 +6,22 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "load/foreign_spectra.h"
 
 namespace abbe {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kSuffix = ".txt";
+constexpr std::uint64_t kLargestAgf = 16u << 20;
+
+enum class FileFormat { None, Single, Agf };
+
+FileFormat format_of(const fs::path& file) {
+  const std::string suffix = file.extension().string();
+  if (suffix == ".txt" || suffix == ".yml" || suffix == ".yaml") return FileFormat::Single;
+  return suffix == ".agf" || suffix == ".AGF" ? FileFormat::Agf : FileFormat::None;
+}
 
 std::vector<fs::path> folders_of_environment() {
   std::vector<fs::path> folders;
@@ -60,17 +69,28 @@ Catalogue::Catalogue(std::vector<std::filesystem::path> folders) : folders_(std:
     // A folder that is not there is no mistake: the standard ones are guesses.
     for (; !error && file != fs::recursive_directory_iterator(); file.increment(error)) {
       std::error_code status_error;
-      if (file->path().extension() != kSuffix || !file->is_regular_file(status_error)) continue;
+      const FileFormat format = format_of(file->path());
+      if (format == FileFormat::None || !file->is_regular_file(status_error)) continue;
       fs::path relative = file->path().lexically_relative(folder);
       relative.replace_extension();
-      files_.emplace(relative.generic_string(), file->path());
+      const std::string id = relative.generic_string();
+      if (format == FileFormat::Single) {
+        places_.emplace(id, Place{file->path(), ""});
+        continue;
+      }
+      const std::vector<std::uint8_t> bytes =
+          read_file(file->path(), file->path().string(), kLargestAgf);
+      const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+      for (const std::string& glass : names_in_agf(text)) {
+        places_.emplace(id + "/" + glass, Place{file->path(), glass});
+      }
     }
   }
-  for (const auto& [id, file] : files_) ids_.push_back(id);
+  for (const auto& [id, place] : places_) ids_.push_back(id);
 }
 
 std::string Catalogue::resolve(const std::string& id_or_tail, const std::string& where) const {
-  if (files_.contains(id_or_tail)) return id_or_tail;
+  if (places_.contains(id_or_tail)) return id_or_tail;
   std::vector<std::string> candidates;
   for (const std::string& id : ids_) {
     if (ends_with_component(id, id_or_tail)) candidates.push_back(id);
@@ -87,7 +107,8 @@ std::string Catalogue::resolve(const std::string& id_or_tail, const std::string&
 
 CatalogueEntry Catalogue::entry(const std::string& id_or_tail, const std::string& where) const {
   const std::string id = resolve(id_or_tail, where);
-  return read_spectrum_file(files_.at(id), id);
+  const Place& place = places_.at(id);
+  return read_spectrum_file(place.file, id, place.glass);
 }
 
 Observer Catalogue::observer(const std::string& id) const {

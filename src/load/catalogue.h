@@ -23,11 +23,13 @@ struct CatalogueEntry {
   std::optional<Spectrum> spectrum;      ///< One curve: emission, reflectance, absorption.
   std::optional<Dispersion> dispersion;  ///< Index of a dielectric.
   std::optional<Spectrum> n, k;          ///< Complex index; a dielectric's if it was tabulated.
+  std::optional<Spectrum> absorption;    ///< In m⁻¹, of a dielectric of which it is known.
   std::optional<double> n_d, V_d;        ///< As the maker's catalogue states them.
   std::optional<Observer> observer;
 };
 
-/// Where spectra are looked for, and those already read.
+/// Where spectra are looked for. A .txt, .yml or .yaml file is one spectrum, its id the path
+/// without the suffix; of an .agf file each glass is one, as in SCHOTT/N-BK7 of SCHOTT.AGF.
 class Catalogue {
  public:
   /// Folders, first match wins: ABBE_SPECTRA_PATH (colon separated), spectra/ beside the binary or
@@ -52,10 +54,16 @@ class Catalogue {
  private:
   std::vector<std::filesystem::path> folders_;
   std::vector<std::string> ids_;
-  std::map<std::string, std::filesystem::path> files_;
+  struct Place {
+    std::filesystem::path file;
+    std::string glass;  ///< In an AGF catalogue of many.
+  };
+  std::map<std::string, Place> places_;
 };
 
-/// Reads one file in the catalogue's format. Errors: input Error with file and line.
-CatalogueEntry read_spectrum_file(const std::filesystem::path& file, const std::string& id);
+/// Reads one file: in the catalogue's format, or by its suffix a refractiveindex.info .yml or
+/// .yaml, or of a Zemax .agf catalogue the glass named. Errors: input Error with file and line.
+CatalogueEntry read_spectrum_file(const std::filesystem::path& file, const std::string& id,
+                                  const std::string& glass = "");
 
 }  // namespace abbe

@@ -81,6 +81,8 @@ void read_dispersion(Document& document, const Fields& fields, Spectra& spectra,
     }
     material.index = *entry.dispersion;
     material.index_id = entry.id;
+    // Measured with the glass; an `absorption` of the material replaces it.
+    if (entry.absorption) material.absorption_per_m = *entry.absorption;
     return;
   }
   if (const auto formula = fields.object("sellmeier")) {

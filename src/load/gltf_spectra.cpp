@@ -125,10 +125,14 @@ std::vector<std::pair<double, double>> parse_csv_spectrum(std::string_view text,
 }
 
 CatalogueEntry Spectra::entry(const std::string& id_or_path, const std::string& pointer) {
-  if (!is_path(id_or_path)) return catalogue_.entry(id_or_path, document_.where(pointer));
-  const std::filesystem::path file = document_.resolve_path(id_or_path, pointer);
+  // One glass of an AGF catalogue is written FILE.agf#GLASS.
+  const std::size_t hash = std::min(id_or_path.find('#'), id_or_path.size());
+  const std::string path = id_or_path.substr(0, hash);
+  if (!is_path(path)) return catalogue_.entry(id_or_path, document_.where(pointer));
+  const std::filesystem::path file = document_.resolve_path(path, pointer);
   document_.read_resolved(file, pointer);  // Into the hash, and checked to be a regular file.
-  return read_spectrum_file(file, id_or_path);
+  const std::string glass = hash < id_or_path.size() ? id_or_path.substr(hash + 1) : "";
+  return read_spectrum_file(file, id_or_path, glass);
 }
 
 NamedSpectrum Spectra::d65() const {

@@ -11,6 +11,8 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "load/catalogue.h"
+#include "load/foreign_spectra.h"
+#include "load/spectrum_text.h"
 
 namespace abbe {
 namespace {
@@ -25,18 +27,6 @@ const std::vector<std::string>& known_keys() {
       "note",     "n_d",  "V_d",        "formula", "A",           "B",   "C_um",
       "C_um2",    "c0",   "c",          "p",       "coefficients"};
   return keys;
-}
-
-std::vector<std::string_view> words_of(std::string_view text) {
-  std::vector<std::string_view> words;
-  constexpr std::string_view kBlank = " \t";
-  std::size_t begin = text.find_first_not_of(kBlank);
-  while (begin != std::string_view::npos) {
-    const std::size_t end = std::min(text.find_first_of(kBlank, begin), text.size());
-    words.push_back(text.substr(begin, end - begin));
-    begin = text.find_first_not_of(kBlank, end);
-  }
-  return words;
 }
 
 // A file taken apart into keys and rows, every part with its line for messages.
@@ -314,9 +304,16 @@ void read_table(const Parser& parser, CatalogueEntry& entry, double nm_per_unit)
 
 }  // namespace
 
-CatalogueEntry read_spectrum_file(const std::filesystem::path& file, const std::string& id) {
+CatalogueEntry read_spectrum_file(const std::filesystem::path& file, const std::string& id,
+                                  const std::string& glass) {
   const std::vector<std::uint8_t> bytes = read_file(file, file.string(), kLargestFile);
-  const Parser parser(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string suffix = file.extension().string();
+  if (suffix == ".yml" || suffix == ".yaml") {
+    return read_refractiveindex_yaml(text, file.string(), id);
+  }
+  if (suffix == ".agf" || suffix == ".AGF") return read_agf_glass(text, file.string(), glass, id);
+  const Parser parser(file, text);
 
   CatalogueEntry entry;
   entry.id = id;

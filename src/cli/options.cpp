@@ -17,6 +17,10 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   add_shown(command, "--camera", options.camera_name, "NAME",
             "camera to look through, by name or by number from 0 (default: the first)");
   add_shown(
+      command, "--lamp", options.lamp, "ID",
+      "spectrum of the catalogue for all lamps of the scene, as illuminant/A; their brightness "
+      "stays (default: the scene's own)");
+  add_shown(
       command, "--mode", options.mode, "MODE",
       "spectral, rgb (one index of refraction) or rgb3 (one per channel) (default: spectral)");
   add_shown(command, "--size", options.size, "WxH",

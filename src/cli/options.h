@@ -18,6 +18,7 @@ namespace abbe {
 struct SceneOptions {
   std::string file;
   std::string scene_name, camera_name;  ///< Empty: the file's own, the first.
+  std::string lamp;                     ///< Empty: the scene's own.
   std::string size;                     ///< Empty: in the camera's shape.
   std::string mode = "spectral";
   std::string range, lines;

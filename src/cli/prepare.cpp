@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "cli/parse.h"
 #include "load/gltf.h"
+#include "scene/lamps.h"
 
 namespace abbe {
 namespace {
@@ -21,6 +22,16 @@ std::size_t camera_index(const Scene& scene, const std::string& name) {
     return static_cast<std::size_t>(*number);
   }
   throw_usage_error("--camera", "\"" + name + "\"", "a camera of the scene", names);
+}
+
+NamedSpectrum lamp_of(const std::string& id_or_tail, const Catalogue& catalogue) {
+  const std::string id = catalogue.resolve(id_or_tail, "--lamp");
+  const CatalogueEntry entry = catalogue.entry(id, "--lamp");
+  if (entry.quantity != "emission" || !entry.spectrum) {
+    throw_usage_error("--lamp", fmt::format("{} ({})", id, entry.quantity),
+                      "a lamp: an emission of the catalogue, as illuminant/A");
+  }
+  return {id, *entry.spectrum};
 }
 
 }  // namespace
@@ -41,6 +52,7 @@ PreparedScene prepare_scene(const SceneOptions& options, const Catalogue& catalo
   if (prepared.has_default_camera) {
     notes.info("", "the scene has no camera: seen by a default one that frames it");
   }
+  if (!options.lamp.empty()) replace_lamps(prepared.scene, lamp_of(options.lamp, catalogue));
   prepared.camera = camera_index(prepared.scene, options.camera_name);
   return prepared;
 }

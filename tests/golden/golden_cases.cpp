@@ -21,6 +21,10 @@ std::vector<Case> cases() {
                      "--size 80x45 --spp 8 --mode " + mode});
     }
   }
+  for (const std::string scene : {"chart", "metamers", "soap", "metals", "diamond"}) {
+    all.push_back({scene + "_spectral", "scenes/" + scene + "/" + scene + ".gltf",
+                   "--size 64x36 --spp 4 --mode spectral"});
+  }
   return all;
 }
 

@@ -18,7 +18,7 @@ struct Case {
   std::filesystem::path reference() const;
 };
 
-/// All cases: both scenes in all three modes.
+/// All cases: the two showpieces in all three modes, the others in spectral mode.
 std::vector<Case> cases();
 
 /// Renders with the program itself, as a user would, with `more` options behind the case's own.

@@ -16,7 +16,7 @@ struct KnownSpace {
   std::array<float, 8> chromaticities;
 };
 
-constexpr std::array<KnownSpace, 5> kKnownSpaces{{
+constexpr std::array<KnownSpace, 7> kKnownSpaces{{
     // ITU-R BT.709-6
     {kRenderSpace, {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f}},
     // SMPTE EG 432-1 with the white of D65
@@ -27,6 +27,11 @@ constexpr std::array<KnownSpace, 5> kKnownSpaces{{
     {"ACEScg", {0.713f, 0.293f, 0.165f, 0.830f, 0.128f, 0.044f, 0.32168f, 0.33767f}},
     // SMPTE ST 2065-1: AP0
     {"ACES2065-1", {0.7347f, 0.2653f, 0.0f, 1.0f, 0.0001f, -0.0770f, 0.32168f, 0.33767f}},
+    // Tristimulus values themselves: 1, 1, 1 is equal energy, whatever white they are adapted to.
+    // Of
+    // the two, what chromaticities alone mean is the first.
+    {"CIE-XYZ-D65", {1.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 1.0f / 3.0f, 1.0f / 3.0f}},
+    {"CIE-XYZ-E", {1.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 1.0f / 3.0f, 1.0f / 3.0f}},
 }};
 
 Image one_pixel() {
@@ -69,8 +74,14 @@ void check_display(const DisplayOptions& options) {
 }
 
 void check_color_space(const std::string& space, const DisplayOptions& options) {
+  const std::vector<std::string> spaces = scene_linear_spaces(options);
   Image image = one_pixel();
+  // An alias is as good as a name; what is unknown is an error there.
   convert_space(image, kRenderSpace, space, options);
+  if (std::find(spaces.begin(), spaces.end(), space) == spaces.end()) {
+    throw_usage_error("--colorspace", "\"" + space + "\"",
+                      "a scene-linear space of the configuration by its name", spaces);
+  }
 }
 
 void convert_colors(Image& image, const std::string& from, const std::string& to,

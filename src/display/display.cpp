@@ -177,6 +177,38 @@ void convert_space(Image& image, const std::string& from, const std::string& to,
   apply(*processor_of(loaded, transform), image, rgb, 1.0f, image, rgb);
 }
 
+std::vector<std::string> scene_linear_spaces(const DisplayOptions& options) {
+  const LoadedConfig loaded = load_config(options);
+  const OCIO::Config& config = *loaded.config;
+  constexpr auto kScene = OCIO::SEARCH_REFERENCE_SPACE_SCENE;
+  constexpr auto kActive = OCIO::COLORSPACE_ACTIVE;
+  constexpr std::array<float, 3> kDim{0.02f, 0.05f, 0.11f};
+  constexpr float kFactor = 8.0f;
+  std::vector<std::string> spaces;
+  for (int i = 0; i < config.getNumColorSpaces(kScene, kActive); ++i) {
+    const char* name = config.getColorSpaceNameByIndex(kScene, kActive, i);
+    const auto space = config.getColorSpace(name);
+    if (!space || space->isData()) continue;
+    const OCIO::ConstTransformRcPtr to = space->getTransform(OCIO::COLORSPACE_DIR_FROM_REFERENCE);
+    const OCIO::ConstTransformRcPtr from = space->getTransform(OCIO::COLORSPACE_DIR_TO_REFERENCE);
+    bool is_linear = true;
+    if (to || from) {
+      const auto processor = processor_of(loaded, to ? to : from);
+      std::array<float, 3> dim = kDim, bright{}, black{};
+      for (std::size_t c = 0; c < 3; ++c) bright[c] = kFactor * kDim[c];
+      processor->applyRGB(dim.data());
+      processor->applyRGB(bright.data());
+      processor->applyRGB(black.data());
+      for (std::size_t c = 0; c < 3; ++c) {
+        is_linear = is_linear && std::abs(black[c]) < 1e-6f &&
+                    std::abs(bright[c] - kFactor * dim[c]) < 1e-4f * std::abs(bright[c]) + 1e-6f;
+      }
+    }
+    if (is_linear) spaces.emplace_back(name);
+  }
+  return spaces;
+}
+
 std::vector<bool> outside_gamut(const Image& scene_linear, const DisplayOptions& options) {
   const LoadedConfig loaded = load_config(options);
   check_space(loaded, options.source_space);

@@ -28,6 +28,9 @@ Image to_display(const Image& scene_linear, const DisplayOptions& options);
 void convert_space(Image& image, const std::string& from, const std::string& to,
                    const DisplayOptions& options, const std::string& layer = "");
 
+/// The scene-referred spaces of the configuration in which twice the light is twice the number.
+std::vector<std::string> scene_linear_spaces(const DisplayOptions& options);
+
 /// Pixels whose chromaticity the display cannot show: colours that do not come back, dimmed below
 /// its white, from the display's own codes of 0 to 1.
 /// Shape:  a value per pixel, row by row.

@@ -1,6 +1,7 @@
 /// EXR files as the program writes them: kept in every way, and opened by other programs.
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <cstdlib>
 
 #include "image/exr.h"
@@ -99,6 +100,34 @@ TEST_F(ExrTest, sixteen_bits_and_dither_are_by_choice) {
     finer |= a.pixels[i] != deep.pixels[i];
   }
   EXPECT_TRUE(finer);
+}
+
+TEST_F(ExrTest, every_scene_linear_space_is_written_and_shown_alike) {
+  render("a.exr", {"--aov", "albedo,direct"});
+  ASSERT_EQ(abbe({"display", "a.exr", "-o", "a.png"}).exit_code, 0);
+  for (const char* space :
+       {"ACES2065-1", "ACEScg", "Linear P3-D65", "Linear Rec.2020", "CIE-XYZ-D65", "CIE-XYZ-E"}) {
+    render("b.exr", {"--colorspace", space, "--aov", "albedo,direct"});
+    ASSERT_EQ(abbe({"display", "b.exr", "-o", "b.png"}).exit_code, 0);
+    // One code: rounding on another way through matrices of floats.
+    EXPECT_EQ(abbe({"diff", "b.png", "a.png", "--fail", "max=0.0040"}).exit_code, 0) << space;
+    const Outcome colors = abbe({"diff", "b.exr", "a.exr", "--fail", "de2000.max=0.05"});
+    EXPECT_EQ(colors.exit_code, 0) << space << colors.out;
+    // All layers of colours are in that space.
+    const Image a = read_exr(file("a.exr"));
+    const Image b = read_exr(file("b.exr"));
+    double apart = 0.0;
+    for (int x = 0; x < a.width; ++x) {
+      apart += std::abs(a.at(x, 12, a.channel_index("direct.R").value()) -
+                        b.at(x, 12, b.channel_index("direct.R").value()));
+    }
+    EXPECT_GT(apart, 0.0) << space;
+  }
+  for (const char* space : {"ACEScct", "sRGB - Texture", "Raw", "nonsense"}) {
+    const Outcome run = abbe({"render", "scene.gltf", "-o", "x.exr", "--colorspace", space});
+    EXPECT_EQ(run.exit_code, 2) << space;
+    EXPECT_THAT(run.err, HasSubstr("CIE-XYZ-D65"));
+  }
 }
 
 TEST_F(ExrTest, wrong_ways_to_keep_a_file_are_usage_errors_that_list_the_right_ones) {

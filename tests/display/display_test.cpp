@@ -176,6 +176,14 @@ TEST_F(Display, xyz_of_equal_energy_has_its_white_at_1) {
   for (const float v : image.pixels) EXPECT_NEAR(v, 1.0f, 2e-5f);  // matrices of floats
 }
 
+TEST_F(Display, scene_linear_spaces_are_found_by_what_they_do) {
+  DisplayOptions options;
+  options.config = kConfig;
+  EXPECT_THAT(scene_linear_spaces(options),
+              testing::UnorderedElementsAre("ACES2065-1", "ACEScg", kRec709, "Linear P3-D65",
+                                            "Linear Rec.2020", "CIE-XYZ-D65", "CIE-XYZ-E"));
+}
+
 TEST_F(Display, conversion_leaves_other_channels_alone) {
   Image image;
   image.width = 1;

@@ -8,10 +8,6 @@
 ///   Π τ_j · cosθ_i,j/cosθ_t,j   over refractions and   Π ρ_j   over reflections:
 /// τ and ρ are Fresnel's shares of power, and a bundle of cross section A that meets a facet under
 /// θ_i covers A/cosθ_i of it and leaves with A·cosθ_t/cosθ_i; a reflection keeps the cross section.
-///
-/// A point source. Fermat: the optical length Σ n|p_j+1 − p_j| over points of the facets' planes is
-/// a convex function, a sum of lengths of affine functions, once reflections are unfolded; so there
-/// is at most one path, and it is the minimum. See optics/fermat-inl.h for the irradiance.
 #pragma once
 
 #include <cstddef>

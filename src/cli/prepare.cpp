@@ -24,8 +24,19 @@ std::size_t camera_index(const Scene& scene, const std::string& name) {
   throw_usage_error("--camera", "\"" + name + "\"", "a camera of the scene", names);
 }
 
+// An unknown id in a scene is bad input, on the command line wrong usage.
+std::string resolve_option(const std::string& id_or_tail, const Catalogue& catalogue) {
+  try {
+    return catalogue.resolve(id_or_tail, "--lamp");
+  } catch (const Error& error) {
+    ErrorDetail detail = error.detail();
+    detail.kind = ErrorKind::Usage;
+    throw Error(std::move(detail));
+  }
+}
+
 NamedSpectrum lamp_of(const std::string& id_or_tail, const Catalogue& catalogue) {
-  const std::string id = catalogue.resolve(id_or_tail, "--lamp");
+  const std::string id = resolve_option(id_or_tail, catalogue);
   const CatalogueEntry entry = catalogue.entry(id, "--lamp");
   if (entry.quantity != "emission" || !entry.spectrum) {
     throw_usage_error("--lamp", fmt::format("{} ({})", id, entry.quantity),
@@ -52,7 +63,11 @@ PreparedScene prepare_scene(const SceneOptions& options, const Catalogue& catalo
   if (prepared.has_default_camera) {
     notes.info("", "the scene has no camera: seen by a default one that frames it");
   }
-  if (!options.lamp.empty()) replace_lamps(prepared.scene, lamp_of(options.lamp, catalogue));
+  if (!options.lamp.empty()) {
+    const NamedSpectrum lamp = lamp_of(options.lamp, catalogue);
+    prepared.lamp_id = lamp.id;
+    replace_lamps(prepared.scene, lamp);
+  }
   prepared.camera = camera_index(prepared.scene, options.camera_name);
   return prepared;
 }

@@ -16,7 +16,8 @@ namespace abbe {
 struct PreparedScene {
   Scene scene;
   std::size_t camera = 0;
-  Box3f bounds;  ///< Of what the file holds, without the default rig.
+  Box3f bounds;         ///< Of what the file holds, without the default rig.
+  std::string lamp_id;  ///< The spectrum that all lamps were given, if they were.
   bool has_default_lights = false;
   bool has_default_camera = false;
 

@@ -72,6 +72,8 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
                                                                : prepared.chosen_camera().name;
   if (prepared.has_default_lights) out["abbe:lights"] = std::string("default");
 
+  if (!prepared.lamp_id.empty()) out["abbe:lamp"] = prepared.lamp_id;
+
   add_wavelengths(settings, out);
   out["abbe:samples"] = settings.samples_per_pixel;
   out["abbe:filter"] = settings.filter;

@@ -46,7 +46,7 @@ struct Setting {
   const char* end;
 };
 
-constexpr std::array<Setting, 15> kSettings{{{"abbe:scene", "--scene", nullptr},
+constexpr std::array<Setting, 17> kSettings{{{"abbe:scene", "--scene", nullptr},
                                              {"abbe:mode", "--mode", nullptr},
                                              {"abbe:samples", "--spp", nullptr},
                                              {"abbe:wavelengths", "--wavelengths", nullptr},
@@ -58,6 +58,8 @@ constexpr std::array<Setting, 15> kSettings{{{"abbe:scene", "--scene", nullptr},
                                              {"abbe:cutoff", "--cutoff", nullptr},
                                              {"abbe:seed", "--seed", nullptr},
                                              {"abbe:caustics", "--caustics", nullptr},
+                                             {"abbe:chain", "--chain", nullptr},
+                                             {"abbe:lamp", "--lamp", nullptr},
                                              {"abbe:aov", "--aov", nullptr},
                                              {"abbe:white", "--white", nullptr},
                                              {"abbe:adaptation", "--adaptation", " "}}};

@@ -144,7 +144,7 @@ TEST_F(RenderTest, lines_are_one_channel_each) {
   const ExrHeader header = read_exr_header(file("a.exr"));
   ASSERT_EQ(header.channels.size(), 6u);
   EXPECT_EQ(header.channels[3].name, "S0.486,130000nm");
-  EXPECT_EQ(attribute<std::string>(header, "abbe:lines"), "486.13, 587.56, 656.27 nm");
+  EXPECT_EQ(attribute<std::string>(header, "abbe:lines"), "486.13,587.56,656.27 nm");
 }
 
 TEST_F(RenderTest, half_is_for_colours_only) {

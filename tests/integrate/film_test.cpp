@@ -33,8 +33,7 @@ Scene plane_under_a_wall(const Material& material, double angle_deg) {
   const double angle = angle_deg * kPi / 180.0;
   test::add_square(scene, test::add(scene, material), 0.5, test::rotation({1, 0, 0}, -90.0));
   const Vec3d eye(-std::sin(angle), std::cos(angle), 0.0);
-  scene.cameras.push_back(
-      test::orthographic_camera(2.0 * eye, {0, 0, 0}, 1e-4, 1e-4));
+  scene.cameras.push_back(test::orthographic_camera(2.0 * eye, {0, 0, 0}, 1e-4, 1e-4));
   // Its plane is tilted by the angle, so that the mirrored ray meets it head on.
   const double wall_m = 20.0;
   const Mat4d place = test::translation(wall_m * Vec3d(std::sin(angle), std::cos(angle), 0.0)) *

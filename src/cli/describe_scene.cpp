@@ -7,6 +7,7 @@
 #include "base/constants.h"
 #include "cli/describe.h"
 #include "render/settings.h"
+#include "world/flat_bodies.h"
 
 namespace abbe {
 namespace {
@@ -138,6 +139,20 @@ Description describe_scene(const PreparedScene& prepared, const Catalogue& catal
   for (const Material& material : scene.materials) {
     out["materials"].push_back(describe_material(material, catalogue, notes));
   }
+
+  // What light of directional lamps is followed through exactly, and what had to be left out.
+  Notes flat_notes;
+  const FlatBodies flat = find_flat_bodies(scene, flat_notes);
+  out["exact_light"] = Description::array();
+  for (const FlatBody& body : flat.bodies) {
+    out["exact_light"].push_back({{"name", body.name},
+                                  {"kind", body.is_mirror ? "mirror" : "glass"},
+                                  {"facets", body.facet_count}});
+  }
+  for (const std::string& reason : flat.fallbacks) {
+    out["exact_light"].push_back({{"name", reason}, {"kind", "straight shadow rays"}});
+  }
+  if (scene.fog) out["fog"] = {{"extinction_per_m", scene.fog->extinction_per_m}};
 
   std::uint64_t triangles = 0;
   out["meshes"] = Description::array();

@@ -14,15 +14,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-class InspectTest : public ProgramTest {
- protected:
-  json parsed(const Arguments& arguments) const {
-    const Outcome run = abbe(arguments);
-    EXPECT_EQ(run.exit_code, 0) << run.err;
-    EXPECT_EQ(run.err, "");
-    return json::parse(run.out);
-  }
-};
+using InspectTest = ProgramTest;
 
 TEST_F(InspectTest, scene_as_json_says_what_it_holds) {
   const json scene = parsed({"inspect", "scene.gltf", "--json"});

@@ -112,6 +112,13 @@ Outcome ProgramTest::abbe(const Arguments& arguments, double timeout_seconds) co
   return Process(arguments, folder_).wait(timeout_seconds);
 }
 
+nlohmann::json ProgramTest::parsed(const Arguments& arguments) const {
+  const Outcome run = abbe(arguments);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  return nlohmann::json::parse(run.out);
+}
+
 std::vector<std::string> ProgramTest::new_files() const {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder_)) {

@@ -5,6 +5,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,8 @@ class ProgramTest : public testing::Test {
 
   /// Runs `abbe` in the folder. A run of a minute hangs: the scenes here take a second.
   Outcome abbe(const Arguments& arguments, double timeout_seconds = 60.0) const;
+  /// The same for a run that succeeds in silence and prints JSON.
+  nlohmann::json parsed(const Arguments& arguments) const;
   std::filesystem::path file(const std::string& name) const { return folder_ / name; }
   const std::filesystem::path& folder() const { return folder_; }
   /// Names of the files in the folder, hidden ones included, without the inputs.

@@ -14,12 +14,6 @@ using testing::Not;
 
 class SpectraTest : public ProgramTest {
  protected:
-  json parsed(const Arguments& arguments) const {
-    const Outcome run = abbe(arguments);
-    EXPECT_EQ(run.exit_code, 0) << run.err;
-    EXPECT_EQ(run.err, "");
-    return json::parse(run.out);
-  }
   std::string refused(const Arguments& arguments, int exit_code) const {
     const Outcome run = abbe(arguments);
     EXPECT_EQ(run.exit_code, exit_code);

@@ -40,9 +40,7 @@ struct Stragglers {
       const auto l = hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes);
       packet[count] = index;
       lane[count] = static_cast<std::uint8_t>(l);
-      rays[count] = {{from.origin_x[l], from.origin_y[l], from.origin_z[l]},
-                     from.t_max[l],
-                     {from.direction_x[l], from.direction_y[l], from.direction_z[l]}};
+      rays[count] = ray_of(from, static_cast<int>(l));
       met[count] = {from.t_max[l], kNoPrimitive, 0.0f, 0.0f};
       if (hits != nullptr && hits->primitive[l] != kNoPrimitive) {
         met[count] = {hits->t[l], hits->primitive[l], hits->u[l], hits->v[l]};

@@ -36,6 +36,24 @@ struct alignas(64) RayPacket {
   bool common_origin = false;
 };
 
+/// Writes one lane's ray; the packet's flags stay as they are.
+inline void set_ray(RayPacket& packet, int lane, const Ray& ray) {
+  packet.origin_x[lane] = ray.origin.x;
+  packet.origin_y[lane] = ray.origin.y;
+  packet.origin_z[lane] = ray.origin.z;
+  packet.direction_x[lane] = ray.direction.x;
+  packet.direction_y[lane] = ray.direction.y;
+  packet.direction_z[lane] = ray.direction.z;
+  packet.t_max[lane] = ray.t_max;
+}
+
+/// The ray in one lane.
+inline Ray ray_of(const RayPacket& packet, int lane) {
+  return {{packet.origin_x[lane], packet.origin_y[lane], packet.origin_z[lane]},
+          packet.t_max[lane],
+          {packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]}};
+}
+
 /// Answers of a packet; lanes that were not active or met nothing have kNoPrimitive.
 struct alignas(64) HitPacket {
   float t[kPacketLanes];
@@ -43,6 +61,11 @@ struct alignas(64) HitPacket {
   float v[kPacketLanes];
   std::uint32_t primitive[kPacketLanes];
 };
+
+/// The answer in one lane.
+inline Hit hit_of(const HitPacket& packet, int lane) {
+  return {packet.t[lane], packet.primitive[lane], packet.u[lane], packet.v[lane]};
+}
 
 /// Work done by queries, for heat maps and tuning.
 struct QueryCost {

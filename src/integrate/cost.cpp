@@ -36,11 +36,7 @@ void count_shadow_cost(const World& world, const IntegratorScratch::Buffers& buf
     for (int lane = 0; lane < world.lanes.lane_count(); ++lane) {
       if (!job.lanes.test(lane)) continue;
       const auto block = static_cast<std::uint32_t>(lane / kPacketLanes);
-      const RayPacket& p = buffers.shadow_packets[job.first_query + block];
-      const int k = lane % kPacketLanes;
-      const Ray ray{{p.origin_x[k], p.origin_y[k], p.origin_z[k]},
-                    p.t_max[k],
-                    {p.direction_x[k], p.direction_y[k], p.direction_z[k]}};
+      const Ray ray = ray_of(buffers.shadow_packets[job.first_query + block], lane % kPacketLanes);
       world.tree.any_hit_with_cost(ray, kOpaqueBit, cost);
     }
   }

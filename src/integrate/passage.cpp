@@ -58,9 +58,7 @@ class Passer {
       if (job.media.empty() && ((meets_[packet_index] >> i) & 1u) == 0) return;
       const RayPacket& packet = buffers_.shadow_packets[packet_index];
       Passage passage;
-      passage.ray.origin = {packet.origin_x[i], packet.origin_y[i], packet.origin_z[i]};
-      passage.ray.direction = {packet.direction_x[i], packet.direction_y[i], packet.direction_z[i]};
-      passage.ray.t_max = packet.t_max[i];
+      passage.ray = ray_of(packet, i);
       passage.media = job.media;
       passage.lanes.set(lane);
       passage.visibility = visibility;

@@ -241,13 +241,7 @@ RayPacket make_packet(std::span<const Ray> rays) {
   packet.common_origin = true;
   for (std::size_t i = 0; i < static_cast<std::size_t>(kPacketLanes); ++i) {
     const Ray& ray = rays[std::min(i, rays.size() - 1)];
-    packet.origin_x[i] = ray.origin.x;
-    packet.origin_y[i] = ray.origin.y;
-    packet.origin_z[i] = ray.origin.z;
-    packet.direction_x[i] = ray.direction.x;
-    packet.direction_y[i] = ray.direction.y;
-    packet.direction_z[i] = ray.direction.z;
-    packet.t_max[i] = ray.t_max;
+    set_ray(packet, static_cast<int>(i), ray);
     if (i < rays.size()) {
       packet.active |= 1u << i;
       packet.common_origin = packet.common_origin && ray.origin == rays[0].origin;

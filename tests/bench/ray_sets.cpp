@@ -73,13 +73,7 @@ void add_packet(RaySet& set, std::span<const Ray> rays, std::uint32_t active, bo
   packet.common_origin = common_origin;
   for (std::size_t i = 0; i < static_cast<std::size_t>(kPacketLanes); ++i) {
     const Ray& ray = rays[std::min(i, rays.size() - 1)];
-    packet.origin_x[i] = ray.origin.x;
-    packet.origin_y[i] = ray.origin.y;
-    packet.origin_z[i] = ray.origin.z;
-    packet.direction_x[i] = ray.direction.x;
-    packet.direction_y[i] = ray.direction.y;
-    packet.direction_z[i] = ray.direction.z;
-    packet.t_max[i] = ray.t_max;
+    set_ray(packet, static_cast<int>(i), ray);
     if ((active >> i & 1u) != 0) set.rays.push_back(ray);
   }
   set.packets.push_back(packet);

@@ -67,6 +67,20 @@ HWY_INLINE Vec3Of<D> Normalized3(D d, const Vec3Of<D>& a) {
   return {hn::Mul(a.x, scale), hn::Mul(a.y, scale), hn::Mul(a.z, scale)};
 }
 
+/// The same value in all lanes.
+template <class D>
+HWY_INLINE void Splat(D d, int stride, float value, LaneArray& a) {
+  const auto v = hn::Set(d, value);
+  for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) hn::Store(v, d, a.v + i);
+}
+
+template <class D>
+HWY_INLINE void Splat(D d, int stride, const Vec3f& value, LaneArray3& a) {
+  Splat(d, stride, value.x, a.x);
+  Splat(d, stride, value.y, a.y);
+  Splat(d, stride, value.z, a.z);
+}
+
 /// The lanes of a mask from lane i on, as a vector mask. Domain: i a multiple of Lanes(d).
 template <class D>
 HWY_INLINE hn::Mask<D> LanesFrom(D d, const LaneMask& lanes, int i) {

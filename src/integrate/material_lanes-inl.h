@@ -18,20 +18,6 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
-/// The same value in all lanes.
-template <class D>
-HWY_INLINE void Splat(D d, int stride, float value, LaneArray& a) {
-  const auto v = hn::Set(d, value);
-  for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) hn::Store(v, d, a.v + i);
-}
-
-template <class D>
-HWY_INLINE void Splat(D d, int stride, const Vec3f& value, LaneArray3& a) {
-  Splat(d, stride, value.x, a.x);
-  Splat(d, stride, value.y, a.y);
-  Splat(d, stride, value.z, a.z);
-}
-
 /// Spreads a colour over the lanes.
 template <class D>
 void FillColor(D d, const World& world, const ColorSample& color, const float* row, int set,

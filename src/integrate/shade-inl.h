@@ -220,17 +220,16 @@ HWY_INLINE void StraightLight(D d, int stride, const WorldLight& light, const fl
 }
 
 /// Light that would reach the camera by direct reflection of what arrives from a lamp, per lane,
-/// before visibility: throughput/n² · E · f_r · cosθ. Returns whether any lane gets some.
+/// before visibility: throughput/n² · E · f_r · cosθ.
 /// Source: GGX and its height-correlated masking, glTF 2.0 appendix B.
 template <class D>
-HWY_INLINE bool ReflectLight(D d, int stride, const BoundaryRows& rows, bool infinite_index,
+HWY_INLINE void ReflectLight(D d, int stride, const BoundaryRows& rows, bool infinite_index,
                              bool has_rough_lobe, const Interaction& at, const Shading& shading,
                              const LightGeometry& geometry, float* contribution) {
   const auto one = hn::Set(d, 1.0f);
   const auto zero = hn::Zero(d);
   const auto inverse_pi = hn::Set(d, static_cast<float>(1.0 / kPi));
   const int step = static_cast<int>(hn::Lanes(d));
-  bool any = false;
   for (int i = 0; i < stride; i += step) {
     const auto view = Load3(d, at.direction, i);
     const auto outward = Load3(d, at.outward, i);
@@ -277,9 +276,7 @@ HWY_INLINE bool ReflectLight(D d, int stride, const BoundaryRows& rows, bool inf
     const auto light_out =
         hn::IfThenElseZero(sees_light, hn::Mul(hn::Mul(throughput, arriving), reflected));
     hn::StoreU(light_out, d, contribution + i);
-    any |= !hn::AllTrue(d, hn::Eq(light_out, zero));
   }
-  return any;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -30,6 +30,22 @@ struct ShadowJob {
   std::optional<std::uint32_t> gate_of;
 };
 
+/// Ways on which something may stand, one query each, and whether something opaque does.
+struct ShadowQueries {
+  std::vector<Ray> rays;
+  std::vector<std::uint8_t> ray_occluded;
+  std::vector<RayPacket> packets;
+  std::vector<std::uint32_t> packet_occluded;
+};
+
+/// What stops ways of a kind for good, and what may let them by weakened.
+inline VisibilityMask blocking_bits(bool ends_at_glass) {
+  return ends_at_glass ? kOpaqueBit | kExactGlassBit : kOpaqueBit;
+}
+inline VisibilityMask passing_bits(bool ends_at_glass) {
+  return ends_at_glass ? kTransparentBit : kTransparentBit | kExactGlassBit;
+}
+
 struct IntegratorScratch::Buffers {
   std::vector<FanList> spare_lists;
 
@@ -44,10 +60,13 @@ struct IntegratorScratch::Buffers {
   // Any-hit queries towards lights.
   std::vector<ShadowJob> shadow_jobs;
   AlignedVector<float> shadow_data;
-  std::vector<Ray> shadow_rays;
-  std::vector<std::uint8_t> shadow_ray_occluded;
-  std::vector<RayPacket> shadow_packets;
-  std::vector<std::uint32_t> shadow_packet_occluded;
+  std::array<ShadowQueries, 2>
+      shadow_queries;  ///< Of ways that pass exact glass, and that end there.
+
+  ShadowQueries& queries_of(const ShadowJob& job) { return shadow_queries[job.ends_at_glass]; }
+  const ShadowQueries& queries_of(const ShadowJob& job) const {
+    return shadow_queries[job.ends_at_glass];
+  }
 
   Interaction at;
   AlignedVector<float> local_light;   ///< Emission and ambient light, per sample and lane.

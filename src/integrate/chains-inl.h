@@ -97,7 +97,9 @@ HWY_INLINE bool LightOnChain(D d, const World& world, const Chain& chain, int se
       const SurfaceMaterial& material = world.materials[step.material];
       const bool inside =
           step.event == ChainEvent::Enter || step.event == ChainEvent::ReflectInside;
-      if (inside && material.absorption_per_m) {
+      // Where something may stand on the way inside, the query for that absorbs, too.
+      const bool is_asked = s + 1 == step_count || chain.steps[s + 1].is_checked;
+      if (inside && !is_asked && material.absorption_per_m) {
         const auto absorption = hn::LoadU(d, world.row(*material.absorption_per_m, set) + i);
         irradiance = hn::Mul(irradiance, ExpNegative(d, hn::Mul(absorption, length)));
       }

@@ -29,15 +29,17 @@ void count_shadow_cost(const World& world, const IntegratorScratch::Buffers& buf
                        std::span<FirstHit> first_hits) {
   for (const ShadowJob& job : buffers.shadow_jobs) {
     QueryCost& cost = first_hits[job.sample].cost;
+    const ShadowQueries& queries = buffers.queries_of(job);
+    const VisibilityMask blocking = blocking_bits(job.ends_at_glass);
     if (!job.spread) {
-      world.tree.any_hit_with_cost(buffers.shadow_rays[job.first_query], kOpaqueBit, cost);
+      world.tree.any_hit_with_cost(queries.rays[job.first_query], blocking, cost);
       continue;
     }
     for (int lane = 0; lane < world.lanes.lane_count(); ++lane) {
       if (!job.lanes.test(lane)) continue;
       const auto block = static_cast<std::uint32_t>(lane / kPacketLanes);
-      const Ray ray = ray_of(buffers.shadow_packets[job.first_query + block], lane % kPacketLanes);
-      world.tree.any_hit_with_cost(ray, kOpaqueBit, cost);
+      const Ray ray = ray_of(queries.packets[job.first_query + block], lane % kPacketLanes);
+      world.tree.any_hit_with_cost(ray, blocking, cost);
     }
   }
 }

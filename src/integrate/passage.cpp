@@ -20,7 +20,6 @@ struct Passage {
   LaneMask lanes;
   std::uint32_t visibility = 0;  ///< Offset in Buffers::shadow_data.
   int set = 0;
-  bool ends_at_glass = false;
 };
 
 template <typename Body>
@@ -32,12 +31,17 @@ void for_each_lane(const LaneMask& lanes, int lane_count, const Body& body) {
 
 class Passer {
  public:
-  Passer(const World& world, IntegratorScratch::Buffers& buffers, IntegratorStats& stats)
-      : world_(world), buffers_(buffers), stats_(stats) {
+  Passer(const World& world, IntegratorScratch::Buffers& buffers, const ShadowQueries& queries,
+         VisibilityMask passing, IntegratorStats& stats)
+      : world_(world),
+        buffers_(buffers),
+        queries_(queries),
+        passing_(world.visibility_bits & passing),
+        stats_(stats) {
     // Most rays meet nothing transparent: a packet finds that out for sixteen lanes at once.
-    meets_.resize(buffers.shadow_packets.size());
-    if (!meets_.empty()) {
-      world.tree.any_hits(std::span<const RayPacket>(buffers.shadow_packets), kTransparentBit,
+    meets_.resize(queries.packets.size());
+    if (!meets_.empty() && passing_ != 0) {
+      world.tree.any_hits(std::span<const RayPacket>(queries.packets), passing_,
                           std::span<std::uint32_t>(meets_));
     }
   }
@@ -46,24 +50,23 @@ class Passer {
     const std::uint32_t visibility =
         job.data + static_cast<std::uint32_t>(world_.lanes.lane_stride());
     if (!job.spread) {
-      if (buffers_.shadow_ray_occluded[job.first_query] != 0) return;
-      underway_.push_back({buffers_.shadow_rays[job.first_query], job.media, job.lanes, visibility,
-                           set, job.ends_at_glass});
+      if (queries_.ray_occluded[job.first_query] != 0) return;
+      if (job.media.empty() && passing_ == 0) return;
+      underway_.push_back({queries_.rays[job.first_query], job.media, job.lanes, visibility, set});
       return;
     }
     for_each_lane(job.lanes, world_.lanes.lane_count(), [&](int lane) {
       const std::size_t packet_index = job.first_query + static_cast<std::size_t>(lane / 16);
       const int i = lane % 16;
-      if ((buffers_.shadow_packet_occluded[packet_index] >> i) & 1u) return;
+      if ((queries_.packet_occluded[packet_index] >> i) & 1u) return;
       if (job.media.empty() && ((meets_[packet_index] >> i) & 1u) == 0) return;
-      const RayPacket& packet = buffers_.shadow_packets[packet_index];
+      const RayPacket& packet = queries_.packets[packet_index];
       Passage passage;
       passage.ray = ray_of(packet, i);
       passage.media = job.media;
       passage.lanes.set(lane);
       passage.visibility = visibility;
       passage.set = set;
-      passage.ends_at_glass = job.ends_at_glass;
       underway_.push_back(passage);
     });
   }
@@ -77,7 +80,7 @@ class Passer {
       rays_.clear();
       for (const Passage& passage : underway_) rays_.push_back(passage.ray);
       hits_.resize(rays_.size());
-      world_.tree.closest_hits(std::span<const Ray>(rays_), kTransparentBit, std::span<Hit>(hits_));
+      world_.tree.closest_hits(std::span<const Ray>(rays_), passing_, std::span<Hit>(hits_));
       stats_.shadow_rays += rays_.size();
       std::size_t kept = 0;
       for (std::size_t i = 0; i < underway_.size(); ++i) {
@@ -115,10 +118,6 @@ class Passer {
     }
     const SurfacePoint point =
         surface_point(world_, passage.ray.origin, passage.ray.direction, hit);
-    if (passage.ends_at_glass && world_.surface_is_exact[point.surface] != 0) {
-      block(passage);
-      return false;
-    }
     const std::uint32_t number = world_.surfaces[point.surface].material;
     const SurfaceMaterial& material = world_.materials[number];
     const bool is_boundary = material.transmission == Transmission::Medium;
@@ -188,6 +187,8 @@ class Passer {
 
   const World& world_;
   IntegratorScratch::Buffers& buffers_;
+  const ShadowQueries& queries_;
+  const VisibilityMask passing_;  ///< Of the surfaces that are there, those that let light by.
   IntegratorStats& stats_;
   std::vector<std::uint32_t> meets_;  ///< Per packet, the lanes that meet something transparent.
   std::vector<Passage> underway_;
@@ -199,9 +200,15 @@ class Passer {
 
 void attenuate_by_transparent(const World& world, std::span<const CameraSample> samples,
                               IntegratorScratch::Buffers& buffers, IntegratorStats& stats) {
-  Passer passer(world, buffers, stats);
-  for (const ShadowJob& job : buffers.shadow_jobs) passer.add(job, samples[job.sample].set);
-  passer.run();
+  for (const bool ends_at_glass : {false, true}) {
+    const ShadowQueries& queries = buffers.shadow_queries[ends_at_glass];
+    if (queries.rays.empty() && queries.packets.empty()) continue;
+    Passer passer(world, buffers, queries, passing_bits(ends_at_glass), stats);
+    for (const ShadowJob& job : buffers.shadow_jobs) {
+      if (job.ends_at_glass == ends_at_glass) passer.add(job, samples[job.sample].set);
+    }
+    passer.run();
+  }
 }
 
 }  // namespace abbe

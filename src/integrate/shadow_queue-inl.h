@@ -47,8 +47,10 @@ class ShadowQueue {
   void start_batch() {
     b_.shadow_jobs.clear();
     b_.shadow_data.clear();
-    b_.shadow_rays.clear();
-    b_.shadow_packets.clear();
+    for (ShadowQueries& queries : b_.shadow_queries) {
+      queries.rays.clear();
+      queries.packets.clear();
+    }
   }
 
   /// Room for the light of a job, per lane; its visibility starts at 1.
@@ -75,14 +77,15 @@ class ShadowQueue {
   /// job.spread, one for each.
   template <class RayOf>
   void add(ShadowJob& job, RayOf&& ray_of) {
+    ShadowQueries& queries = b_.queries_of(job);
     if (!job.spread) {
-      job.first_query = static_cast<std::uint32_t>(b_.shadow_rays.size());
-      b_.shadow_rays.push_back(ray_of(job.lanes.front()));
+      job.first_query = static_cast<std::uint32_t>(queries.rays.size());
+      queries.rays.push_back(ray_of(job.lanes.front()));
       ++stats_.shadow_rays;
     } else {
-      job.first_query = static_cast<std::uint32_t>(b_.shadow_packets.size());
+      job.first_query = static_cast<std::uint32_t>(queries.packets.size());
       for (int block = 0; block * kPacketLanes < stride_; ++block) {
-        RayPacket& packet = b_.shadow_packets.emplace_back();
+        RayPacket& packet = queries.packets.emplace_back();
         packet.active = job.lanes.block16(block);
         for (int i = 0; i < kPacketLanes; ++i) {
           set_ray(packet, i, ray_of(std::min(block * kPacketLanes + i, stride_ - 1)));
@@ -97,28 +100,22 @@ class ShadowQueue {
   /// room for them.
   void resolve(std::span<float> light_parts) {
     if (b_.shadow_jobs.empty()) return;
-    b_.shadow_ray_occluded.resize(b_.shadow_rays.size());
-    b_.shadow_packet_occluded.resize(b_.shadow_packets.size());
-    if (!b_.shadow_rays.empty()) {
-      world_.tree.any_hits(std::span<const Ray>(b_.shadow_rays), kOpaqueBit,
-                           std::span<std::uint8_t>(b_.shadow_ray_occluded));
-    }
-    if (!b_.shadow_packets.empty()) {
-      world_.tree.any_hits(std::span<const RayPacket>(b_.shadow_packets), kOpaqueBit,
-                           std::span<std::uint32_t>(b_.shadow_packet_occluded));
+    for (const bool ends_at_glass : {false, true}) {
+      ask(b_.shadow_queries[ends_at_glass], blocking_bits(ends_at_glass));
     }
     for (const ShadowJob& job : b_.shadow_jobs) {
+      const ShadowQueries& queries = b_.queries_of(job);
       float* visibility = b_.shadow_data.data() + job.data + stride_;
       for (int lane = 0; lane < stride_; ++lane) {
         const bool blocked =
-            job.spread ? (b_.shadow_packet_occluded[job.first_query + lane / kPacketLanes] >>
+            job.spread ? (queries.packet_occluded[job.first_query + lane / kPacketLanes] >>
                           (lane % kPacketLanes)) &
                              1u
-                       : b_.shadow_ray_occluded[job.first_query] != 0;
+                       : queries.ray_occluded[job.first_query] != 0;
         visibility[lane] = blocked ? 0.0f : 1.0f;
       }
     }
-    if (world_.has_transparent) attenuate_by_transparent(world_, samples_, b_, stats_);
+    attenuate_by_transparent(world_, samples_, b_, stats_);
     const D d;
     for (const ShadowJob& gate : b_.shadow_jobs) {
       if (!gate.gate_of) continue;
@@ -145,6 +142,19 @@ class ShadowQueue {
   }
 
  private:
+  void ask(ShadowQueries& queries, VisibilityMask blocking) const {
+    queries.ray_occluded.resize(queries.rays.size());
+    queries.packet_occluded.resize(queries.packets.size());
+    if (!queries.rays.empty()) {
+      world_.tree.any_hits(std::span<const Ray>(queries.rays), blocking,
+                           std::span<std::uint8_t>(queries.ray_occluded));
+    }
+    if (!queries.packets.empty()) {
+      world_.tree.any_hits(std::span<const RayPacket>(queries.packets), blocking,
+                           std::span<std::uint32_t>(queries.packet_occluded));
+    }
+  }
+
   const World& world_;
   std::span<const CameraSample> samples_;
   IntegratorStats& stats_;

@@ -155,7 +155,6 @@ void tabulate_materials(const Scene& scene, World& world) {
   world.uplift_abscissa = append_row(world, world.lanes.uplift_abscissa());
   for (const Material& material : scene.materials) {
     world.materials.push_back(tabulated(material, world, textures));
-    world.has_transparent |= world.materials.back().lets_light_pass();
     if (material.emission && !material.emission->spectrum.id.empty()) {
       world.lamp_ids.push_back(material.emission->spectrum.id);
     }

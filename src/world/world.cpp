@@ -183,7 +183,9 @@ std::vector<VisibilityMask> masks_of(const World& world) {
   masks.reserve(world.primitive_surface.size());
   for (const std::uint32_t surface : world.primitive_surface) {
     const SurfaceMaterial& material = world.materials[world.surfaces[surface].material];
-    masks.push_back(material.lets_light_pass() ? kTransparentBit : kOpaqueBit);
+    masks.push_back(!material.lets_light_pass()            ? kOpaqueBit
+                    : world.surface_is_exact[surface] != 0 ? kExactGlassBit
+                                                           : kTransparentBit);
   }
   return masks;
 }
@@ -218,6 +220,7 @@ World make_world(const Scene& scene, const WorldOptions& options, const Observer
   }
   add_chains(scene, options.caustics, notes, world);
   const std::vector<VisibilityMask> masks = masks_of(world);
+  for (const VisibilityMask mask : masks) world.visibility_bits |= mask;
   world.tree = KdTree::build({.positions = world.positions,
                               .triangles = world.triangles,
                               .ellipsoids = world.ellipsoids,

@@ -111,6 +111,10 @@ struct WorldLight {
   RowId row = 0;
 };
 
+/// Mask of flat glass through which light is found exactly: in the way of straight light of some
+/// lamps, transparent for that of others (WorldLight::has_chains).
+inline constexpr VisibilityMask kExactGlassBit = 4;
+
 /// Fog outside all bodies.
 struct WorldFog {
   float extinction_per_m = 0.0f;
@@ -142,7 +146,8 @@ struct World {
   std::vector<Plane> planes;
 
   KdTree tree;
-  bool has_transparent = false;
+  /// Which kinds of surfaces there are, as bits of the accelerator's masks.
+  VisibilityMask visibility_bits = 0;
 
   std::vector<WorldLight> lights;
   std::optional<RowId> ambient;

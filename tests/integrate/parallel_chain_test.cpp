@@ -57,6 +57,24 @@ TEST(ParallelChain, slab_of_glass_dims_by_both_fresnel_factors_and_absorption) {
               2e-5);
 }
 
+TEST(ParallelChain, plate_inside_coloured_glass_is_dimmed_once_by_the_way_of_the_light) {
+  const Vec3d direction = glm::normalize(Vec3d(0.3, -1.0, 0.0));
+  const auto seen = [&](double absorption_per_m) {
+    Scene scene = floor_scene(direction, {0.0, 0.5, 0.0});
+    scene.cameras.front() = spot_camera({0.0, 0.5, 0.0}, {0.0, -1.0, 0.0});
+    Material glass = test::glass("glass/schott/N-SF11");
+    glass.absorption_per_m = Spectrum::constant(absorption_per_m);
+    test::add_box(scene, test::add(scene, glass), {1.0, 0.05, 1.0}, test::translation({0, 0.5, 0}));
+    test::add_square(scene, test::add(scene, test::matte(Vec3f(1.0f))), 0.2,
+                     test::translation({0, 0.5, 0}) * test::rotation({1, 0, 0}, -90.0));
+    return radiance(scene, line_settings(), kLine_d_nm);
+  };
+  const double n = refractive_index(test::glass("glass/schott/N-SF11").index, kLine_d_nm);
+  const double cos_t = std::sqrt(1.0 - (1.0 - direction.y * direction.y) / (n * n));
+  // Down to the plate aslant, up to the camera straight. Single precision.
+  EXPECT_NEAR(seen(8.0) / seen(0.0), std::exp(-8.0 * 0.05 * (1.0 + 1.0 / cos_t)), 2e-5);
+}
+
 TEST(ParallelChain, wedge_narrows_the_beam_by_the_cosines) {
   // Light enters the wedge's flat top at right angles and leaves through the slope below.
   Scene scene = floor_scene({0, -1, 0}, {0.0, 0.0, 0.0});

@@ -7,7 +7,10 @@
 #define ABBE_INTEGRATE_FOG_INL_H_
 #endif
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "base/constants.h"
 #include "integrate/lanes-inl.h"
@@ -110,14 +113,54 @@ HWY_INLINE bool StretchInBeam(D d, int stride, const WorldLight& light, const La
   return any;
 }
 
+/// A stretch of one ray; nothing where end ≤ begin.
+struct StretchM {
+  float begin_m = 0.0f, end_m = 0.0f;
+};
+
+/// The part of a ray [0, end) inside the cone of a spot.
+inline StretchM stretch_in_cone(const WorldLight& light, const Vec3f& origin,
+                                const Vec3f& direction, float end_m) {
+  // cos θ · spot_scale + spot_offset is positive inside.
+  const float cosine = std::clamp(-light.spot_offset / light.spot_scale, 0.0f, 1.0f);
+  const Vec3f from_tip = origin - light.position;
+  const float slope = glm::dot(direction, light.direction);
+  const float height = glm::dot(from_tip, light.direction);
+  const float c2 = cosine * cosine;
+  // Inside both cones of the tip where a t² + 2 b t + c ≥ 0; of these the lit one lies ahead.
+  const float a = slope * slope - c2;
+  const float b = slope * height - c2 * glm::dot(direction, from_tip);
+  const float c = height * height - c2 * glm::dot(from_tip, from_tip);
+  const float discriminant = b * b - a * c;
+  if (discriminant < 0.0f) return a > 0.0f && height > 0.0f ? StretchM{0.0f, end_m} : StretchM{};
+  if (a == 0.0f) {
+    // Along the surface of the cone: one crossing.
+    if (b == 0.0f) return height > 0.0f && c >= 0.0f ? StretchM{0.0f, end_m} : StretchM{};
+    const float t = -0.5f * c / b;
+    return slope > 0.0f ? StretchM{std::max(0.0f, t), end_m} : StretchM{0.0f, std::min(t, end_m)};
+  }
+  const float root = std::sqrt(discriminant);
+  const float q = b > 0.0f ? -(b + root) : root - b;
+  float near = q / a;
+  float far = q != 0.0f ? c / q : near;
+  if (near > far) std::swap(near, far);
+  if (a > 0.0f) {
+    return slope > 0.0f ? StretchM{std::max(0.0f, far), end_m}
+                        : StretchM{0.0f, std::min(near, end_m)};
+  }
+  const bool ahead = height + 0.5f * (near + far) * slope > 0.0f;
+  return ahead ? StretchM{std::max(0.0f, near), std::min(far, end_m)} : StretchM{};
+}
+
 /// Places on rays, and the light that one metre of fog there sends back along them and through the
-/// fog before: throughput · albedo · σ/(4π) · exp(−σ t) · weight.
+/// fog before: throughput · albedo · σ/(4π) · exp(−σ t) · weight · piece_share.
 template <class D>
 HWY_INLINE void FogPlaces(D d, int stride, const WorldFog& fog, const float* albedo_row,
-                          const LaneArray3& origins, const LaneArray3& directions,
-                          const LaneArray& distance_m, const LaneArray& weight_m,
-                          const LaneArray& throughput, LaneArray3& places, LaneArray& scattered) {
-  const float share = fog.extinction_per_m * static_cast<float>(0.25 / kPi);
+                          float piece_share, const LaneArray3& origins,
+                          const LaneArray3& directions, const LaneArray& distance_m,
+                          const LaneArray& weight_m, const LaneArray& throughput,
+                          LaneArray3& places, LaneArray& scattered) {
+  const float share = fog.extinction_per_m * static_cast<float>(0.25 / kPi) * piece_share;
   for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
     const auto t = hn::Load(d, distance_m.v + i);
     Store3(d, Combine3(d, hn::Set(d, 1.0f), Load3(d, origins, i), t, Load3(d, directions, i)),

@@ -15,7 +15,6 @@
 #include "integrate/chain_gates-inl.h"
 #include "integrate/fog-inl.h"
 #include "integrate/shade-inl.h"
-#include "math/sampling.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
@@ -43,26 +42,14 @@ class FogLight {
     }
     fog_.rays = {&origins, &directions, &throughput};
     for (const WorldLight& light : world_.lights) {
-      if (light.is_beam) {
-        if (!StretchInBeam(d, stride_, light, origins, directions, fog_.ends_m, fog_.stretch)) {
-          continue;
-        }
-        for (int piece = 0; piece < kFogPieces; ++piece) {
-          take_piece(fan, set, piece, 0.5f, kFogPieces);
-          scatter_straight(fan, lanes, light, set);
-        }
-        continue;
-      }
-      // One random number for all lanes, tied to the fan's path: what noise it makes has no colour.
-      const std::uint64_t bits = hash64(fan.path ^ 0x666f67ull);
-      const float u = unit_float(static_cast<std::uint32_t>(bits));
-      for (int piece = 0; piece < kFogSteps; ++piece) {
-        if (light.type == LightType::Directional) {
-          fill_from_start();
-          take_piece(fan, set, piece, u, kFogSteps);
+      if (!find_stretch(fan, light)) continue;
+      for (int piece = 0; piece < pieces(fan); ++piece) {
+        if (has_falloff(light)) {
+          take_angle(fan, light, place_of(fan, piece));
         } else {
-          take_angle(light, set, (static_cast<float>(piece) + u) / static_cast<float>(kFogSteps));
+          take_depth(fan.spread, place_of(fan, piece));
         }
+        place_fog(fan, set);
         scatter_straight(fan, lanes, light, set);
       }
     }
@@ -71,8 +58,9 @@ class FogLight {
       if (!StretchInChain(d, world_, chain, set, origins, directions, fog_.ends_m, fog_.stretch)) {
         continue;
       }
-      for (int piece = 0; piece < kFogPieces; ++piece) {
-        take_piece(fan, set, piece, 0.5f, kFogPieces);
+      for (int piece = 0; piece < pieces(fan); ++piece) {
+        take_depth(true, place_of(fan, piece));
+        place_fog(fan, set);
         if (!LightOnChain(d, world_, chain, set, fog_.places, to_light_, way_)) continue;
         ShadowJob job;
         job.spread = true;
@@ -83,11 +71,15 @@ class FogLight {
   }
 
  private:
-  /// A lit stretch of a ray is cut into this many pieces, one shadow ray each: inside a beam light
-  /// changes only where something stands in it.
-  static constexpr int kFogPieces = 4;
-  /// The same for lamps that light the whole ray.
-  static constexpr int kFogSteps = 6;
+  // A lit stretch of a camera ray is cut into pieces of equal weight with a shadow ray each; where
+  // it goes in its piece is stratified over the samples of the pixel, so that few will do.
+  static int pieces(const Fan& fan) { return fan.depth == 0 ? 2 : 1; }
+  float place_of(const Fan& fan, int piece) const {
+    return (static_cast<float>(piece) + samples_[fan.sample].u_fog) /
+           static_cast<float>(pieces(fan));
+  }
+
+  static bool has_falloff(const WorldLight& light) { return light.type != LightType::Directional; }
 
   struct FogRays {
     const LaneArray3* origins = nullptr;
@@ -101,52 +93,84 @@ class FogLight {
     LaneArray3 places;
   };
 
-  void fill_from_start() {
+  // The part of every lane's ray that a lamp shines on, whatever stands in between; false when
+  // that is nothing.
+  bool find_stretch(const Fan& fan, const WorldLight& light) {
     const D d;
-    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
-      hn::Store(hn::Zero(d), d, fog_.stretch.begin_m.v + i);
-      hn::Store(hn::Load(d, fog_.ends_m.v + i), d, fog_.stretch.end_m.v + i);
+    if (light.is_beam) {
+      return StretchInBeam(d, stride_, light, *fog_.rays.origins, *fog_.rays.directions,
+                           fog_.ends_m, fog_.stretch);
     }
-  }
-
-  void place_fog(int set) {
-    FogPlaces(D(), stride_, *world_.fog, world_.row(world_.fog->albedo, set), *fog_.rays.origins,
-              *fog_.rays.directions, fog_.distance_m, fog_.weight_m, *fog_.rays.throughput,
-              fog_.places, fog_.scattered);
-  }
-
-  // Goes to (piece + u)/pieces of the stretch.
-  void take_piece(const Fan&, int set, int piece, float u, int pieces) {
-    const D d;
-    const auto share = hn::Set(d, 1.0f / static_cast<float>(pieces));
-    const auto place = hn::Mul(hn::Set(d, static_cast<float>(piece) + u), share);
-    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
-      const auto begin = hn::Load(d, fog_.stretch.begin_m.v + i);
-      const auto length = hn::Sub(hn::Load(d, fog_.stretch.end_m.v + i), begin);
-      hn::Store(hn::Add(begin, hn::Mul(length, place)), d, fog_.distance_m.v + i);
-      hn::Store(hn::Mul(length, share), d, fog_.weight_m.v + i);
+    bool any = false;
+    for_rays(fan.spread, [&](int lane) {
+      StretchM lit{0.0f, fog_.ends_m[lane]};
+      if (light.type == LightType::Spot) {
+        lit = stretch_in_cone(light, fog_.rays.origins->get(lane), fog_.rays.directions->get(lane),
+                              lit.end_m);
+      }
+      any |= lit.begin_m < lit.end_m;
+      fog_.stretch.begin_m[lane] = lit.begin_m;
+      fog_.stretch.end_m[lane] = std::max(lit.begin_m, lit.end_m);
+    });
+    if (!fan.spread) {
+      Splat(d, stride_, fog_.stretch.begin_m[0], fog_.stretch.begin_m);
+      Splat(d, stride_, fog_.stretch.end_m[0], fog_.stretch.end_m);
     }
-    place_fog(set);
+    return any;
   }
 
-  // Goes to a share u of the angle under which a lamp sees the ray: its light falls off with the
-  // square of the distance, and dt = (h² + s²)/h dθ makes up for that.
+  // Calls body(lane) for every lane that has a ray of its own.
+  template <class Body>
+  void for_rays(bool spread, Body&& body) const {
+    for (int lane = 0; lane < (spread ? stride_ : 1); ++lane) body(lane);
+  }
+
+  // Goes to a share u of what fog in the stretch hides: e^(−σt) falls off evenly in u, so that an
+  // evenly lit stretch has no noise.
+  void take_depth(bool spread, float u) {
+    const float extinction = world_.fog->extinction_per_m;
+    for_rays(spread, [&](int lane) {
+      const float begin_m = fog_.stretch.begin_m[lane];
+      const float length_m = fog_.stretch.end_m[lane] - begin_m;
+      const float hidden = -std::expm1(-extinction * length_m);
+      const float kept = 1.0f - u * hidden;
+      const float along_m = -std::log1p(-u * hidden) / extinction;
+      fog_.distance_m[lane] = begin_m + std::min(along_m, length_m);
+      fog_.weight_m[lane] = hidden / (extinction * kept);
+    });
+    if (!spread) splat_place();
+  }
+
+  // Goes to a share u of the angle under which a lamp sees the stretch: its light falls off with
+  // the square of the distance, and dt = (h² + s²)/h dθ makes up for that.
   // Source: Kulla and Fajardo, Importance sampling techniques for path tracing in participating
   // media, 2012, 4.
-  void take_angle(const WorldLight& light, int set, float u) {
-    for (int lane = 0; lane < stride_; ++lane) {
+  void take_angle(const Fan& fan, const WorldLight& light, float u) {
+    for_rays(fan.spread, [&](int lane) {
       const Vec3f to_lamp = light.position - fog_.rays.origins->get(lane);
       const Vec3f direction = fog_.rays.directions->get(lane);
       const float nearest = glm::dot(to_lamp, direction);
       const float height = std::max(glm::length(to_lamp - nearest * direction), 1e-6f);
-      const float first = std::atan2(-nearest, height);
-      const float last = std::atan2(fog_.ends_m[lane] - nearest, height);
+      const float begin_m = fog_.stretch.begin_m[lane];
+      const float end_m = fog_.stretch.end_m[lane];
+      const float first = std::atan2(begin_m - nearest, height);
+      const float last = std::atan2(end_m - nearest, height);
       const float s = height * std::tan(first + u * (last - first));
-      fog_.distance_m[lane] = std::clamp(nearest + s, 0.0f, fog_.ends_m[lane]);
-      fog_.weight_m[lane] =
-          (last - first) * (height * height + s * s) / height / static_cast<float>(kFogSteps);
-    }
-    place_fog(set);
+      fog_.distance_m[lane] = std::clamp(nearest + s, begin_m, end_m);
+      fog_.weight_m[lane] = (last - first) * (height * height + s * s) / height;
+    });
+    if (!fan.spread) splat_place();
+  }
+
+  void splat_place() {
+    Splat(D(), stride_, fog_.distance_m[0], fog_.distance_m);
+    Splat(D(), stride_, fog_.weight_m[0], fog_.weight_m);
+  }
+
+  void place_fog(const Fan& fan, int set) {
+    FogPlaces(D(), stride_, *world_.fog, world_.row(world_.fog->albedo, set),
+              1.0f / static_cast<float>(pieces(fan)), *fog_.rays.origins, *fog_.rays.directions,
+              fog_.distance_m, fog_.weight_m, *fog_.rays.throughput, fog_.places, fog_.scattered);
   }
 
   void scatter_straight(const Fan& fan, const LaneMask& lanes, const WorldLight& light, int set) {

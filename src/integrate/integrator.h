@@ -46,6 +46,7 @@ struct CameraSample {
   float footprint_per_m = 0.0f;        ///< Growth of that width with distance.
   int set = 0;                         ///< Wavelength set.
   std::uint32_t seed = 0;              ///< Its random numbers; own to the sample.
+  float u_fog = 0.5f;  ///< In [0, 1): place in fog, stratified over the samples of a pixel.
 };
 
 /// What a camera ray met first, for extra channels.

@@ -57,8 +57,9 @@ class SampleSource {
     CameraSample sample;
     sample.set = set_of(index);
     sample.seed = hash32(hash, index ^ 0x9d2c5680u);
-    // Dimension 0 of the sequence chooses the wavelengths; the film takes the next two, so that
-    // place and wavelength are not tied together.
+    // Dimension 0 of the sequence chooses the wavelengths; the film takes the next two and fog
+    // the last, so that none of them are tied together.
+    sample.u_fog = unit_float(owen_scrambled(sobol(index, 3), hash32(hash, 0x666f67u)));
     FilterSample place = filter_.sample(centred(scrambled_sobol_2d(index, 1, hash)));
     if (offset_px) place.offset_px = *offset_px;
     *weight = place.weight;

@@ -11,6 +11,7 @@
 #include "cli/svg.h"
 #include "color/color.h"
 #include "color/lamp.h"
+#include "color/spectrum_colours.h"
 
 namespace abbe {
 namespace {
@@ -35,29 +36,6 @@ Vec3d encoded(const Vec3d& rgb_rec709) {
           srgb_encode(std::clamp(rgb_rec709.y, 0.0, 1.0)),
           srgb_encode(std::clamp(rgb_rec709.z, 0.0, 1.0))};
 }
-
-// Every spectral colour is outside the gamut of the page: moved along the line to grey until no
-// channel is negative. The ends of the spectrum fade into black, as the eye sees them.
-class SpectrumColours {
- public:
-  explicit SpectrumColours(const Observer& observer) : observer_(observer) {
-    for (double nm = kRangeMin_nm; nm <= kRangeMax_nm; nm += 1.0) {
-      const Vec3d rgb = inside(nm);
-      brightest_ = std::max({brightest_, rgb.x, rgb.y, rgb.z});
-    }
-  }
-  std::string at(double wavelength_nm) const {
-    return svg_colour(encoded(inside(wavelength_nm) / brightest_));
-  }
-
- private:
-  Vec3d inside(double wavelength_nm) const {
-    const Vec3d rgb = xyz_to_rec709() * xyz_at(wavelength_nm, observer_);
-    return rgb - Vec3d(std::min({rgb.x, rgb.y, rgb.z, 0.0}));
-  }
-  const Observer& observer_;
-  double brightest_ = 0.0;
-};
 
 // What one axis can carry together.
 enum class Axis { Emission, Fraction, Absorption, Index, Observer };
@@ -239,7 +217,7 @@ std::string plot_curves(const std::vector<CatalogueEntry>& entries,
   const double cell_nm = (range_nm.second - range_nm.first) / 235.0;
   for (int i = 0; i < 235; ++i) {
     const double nm = range_nm.first + i * cell_nm;
-    diagram.strip_cell(nm, nm + cell_nm, colours.at(nm + 0.5 * cell_nm));
+    diagram.strip_cell(nm, nm + cell_nm, svg_colour(colours.at(nm + 0.5 * cell_nm)));
   }
   for (const Curve& curve : curves) {
     const char* colour = kColours[curve.colour % kColours.size()];

@@ -12,7 +12,24 @@ constexpr int kLeft_px = 78, kTop_px = 46, kBottom_px = 62, kRight_px = 28, kKey
 constexpr double kLetter_px = 7.2;  // Of a sans-serif of 13 px, on the safe side.
 constexpr const char* kInk = "#222222";
 
-std::string escaped(const std::string& text) {
+double step_of(double low, double high, int count) {
+  const double rough = std::abs(high - low) / count;
+  const double power = std::pow(10.0, std::floor(std::log10(rough)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (rough <= factor * power * 1.0001) return factor * power;
+  }
+  return 10.0 * power;
+}
+
+std::string tick_text(double value, double step) {
+  const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
+  if (std::abs(value) >= 1e6 || decimals > 6) return fmt::format("{:.3g}", value);
+  return fmt::format("{:.{}f}", std::abs(value) < 1e-12 ? 0.0 : value, decimals);
+}
+
+}  // namespace
+
+std::string svg_escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {
     switch (c) {
@@ -35,23 +52,6 @@ std::string escaped(const std::string& text) {
   }
   return result;
 }
-
-double step_of(double low, double high, int count) {
-  const double rough = std::abs(high - low) / count;
-  const double power = std::pow(10.0, std::floor(std::log10(rough)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (rough <= factor * power * 1.0001) return factor * power;
-  }
-  return 10.0 * power;
-}
-
-std::string tick_text(double value, double step) {
-  const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
-  if (std::abs(value) >= 1e6 || decimals > 6) return fmt::format("{:.3g}", value);
-  return fmt::format("{:.{}f}", std::abs(value) < 1e-12 ? 0.0 : value, decimals);
-}
-
-}  // namespace
 
 std::vector<double> round_ticks(double low, double high, int count) {
   const double first = std::min(low, high), last = std::max(low, high);
@@ -141,7 +141,7 @@ void SvgDiagram::label(const Vec2d& at, const Vec2d& offset_px, const std::strin
   const Vec2d px = at_px(at) + offset_px;
   marks_ += fmt::format(
       "<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"11\" fill=\"{}\"{}>{}</text>\n", px.x, px.y,
-      colour.empty() ? kInk : colour, to_the_left ? " text-anchor=\"end\"" : "", escaped(text));
+      colour.empty() ? kInk : colour, to_the_left ? " text-anchor=\"end\"" : "", svg_escaped(text));
 }
 
 void SvgDiagram::label_where_free(const Vec2d& at, const std::string& text) {
@@ -186,7 +186,7 @@ std::string SvgDiagram::text() const {
       "viewBox=\"0 0 {0} {1}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"13\">\n"
       "<title>{2}</title>\n<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n"
       "<text x=\"{3}\" y=\"{4}\" font-size=\"16\" font-weight=\"bold\" fill=\"{5}\">{2}</text>\n",
-      width, height, escaped(title_), kLeft_px, kTop_px - 16, kInk);
+      width, height, svg_escaped(title_), kLeft_px, kTop_px - 16, kInk);
   out += fmt::format(
       "<clipPath id=\"frame\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>\n",
       kLeft_px, kTop_px, frame_px_.x, frame_px_.y);
@@ -217,17 +217,17 @@ std::string SvgDiagram::text() const {
       kLeft_px, kTop_px, frame_px_.x, frame_px_.y, kInk);
   out += marks_ + fmt::format("<g fill=\"{}\">\n", kInk) + numbers;
   out += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                     kLeft_px + 0.5 * frame_px_.x, bottom + strip_px_ + 44, escaped(x_.label));
+                     kLeft_px + 0.5 * frame_px_.x, bottom + strip_px_ + 44, svg_escaped(x_.label));
   out += fmt::format(
       "<text transform=\"translate(20 {:.1f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-      kTop_px + 0.5 * frame_px_.y, escaped(y_.label));
+      kTop_px + 0.5 * frame_px_.y, svg_escaped(y_.label));
   int y = kTop_px + 14;
   for (const Key& key : keys_) {
     out += fmt::format(
         "<path d=\"M{} {}h26\" stroke=\"{}\" stroke-width=\"2.5\"{}/>\n"
         "<text x=\"{}\" y=\"{}\">{}</text>\n",
         right + 16, y - 4, key.colour, key.dashed ? " stroke-dasharray=\"6 4\"" : "", right + 48, y,
-        escaped(key.text));
+        svg_escaped(key.text));
     y += kKey_px;
   }
   return out + "</g>\n</svg>\n";

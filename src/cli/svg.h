@@ -71,6 +71,9 @@ class SvgDiagram {
 /// Round numbers within an interval, about `count` of them, and their step.
 std::vector<double> round_ticks(double low, double high, int count);
 
+/// A text as XML takes it.
+std::string svg_escaped(const std::string& text);
+
 /// `#rrggbb` of encoded sRGB in [0, 1].
 std::string svg_colour(const Vec3d& rgb_srgb_encoded);
 

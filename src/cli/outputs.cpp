@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <fstream>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -114,6 +115,18 @@ std::optional<std::string> space_of(const std::array<float, 8>& chromaticities) 
     if (same) return known.name;
   }
   return std::nullopt;
+}
+
+void write_text(const std::filesystem::path& target, const std::string& text) {
+  write_atomically(target, [&](const std::filesystem::path& temporary) {
+    std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
+    stream << text;
+    stream.close();
+    if (!stream) {
+      throw_output_error(target.string(), "a file that could not be written to its end",
+                         "a place with room for it");
+    }
+  });
 }
 
 std::string space_of_file(const std::filesystem::path& file) {

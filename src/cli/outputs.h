@@ -39,6 +39,9 @@ std::optional<std::array<float, 8>> chromaticities_of(const std::string& space);
 /// The name of the space with such primaries and white.
 std::optional<std::string> space_of(const std::array<float, 8>& chromaticities);
 
+/// A whole text file, or none. Errors: an output Error.
+void write_text(const std::filesystem::path& target, const std::string& text);
+
 /// What an EXR says about the colour space of its RGB, else that of a render.
 /// Errors: an input Error for a broken file and for chromaticities of no known space.
 std::string space_of_file(const std::filesystem::path& file);

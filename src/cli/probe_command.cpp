@@ -6,12 +6,15 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/options.h"
+#include "cli/outputs.h"
 #include "cli/parse.h"
 #include "cli/prepare.h"
 #include "cli/print.h"
+#include "cli/probe_figure.h"
 #include "cli/probe_print.h"
 #include "cli/probe_tree.h"
 #include "render/render.h"
@@ -26,6 +29,7 @@ struct ProbeArguments {
   bool all_lanes = false;
   double least_weight = 0.01;
   bool as_json = false;
+  std::string svg;
 };
 
 struct Probed {
@@ -94,6 +98,7 @@ ExitCode run_probe(ProbeArguments& arguments) {
     throw_usage_error("--faint", fmt::format("{:g}", arguments.least_weight),
                       "a weight from 0 to 1");
   }
+  if (!arguments.svg.empty()) check_writable(arguments.svg);
   resolve_settings(arguments.scene);
   const Console console(false);
   RenderSettings& settings = arguments.scene.settings;
@@ -113,6 +118,16 @@ ExitCode run_probe(ProbeArguments& arguments) {
   const Probed probed = trace(world, prepared.chosen_camera(), settings, pixel, arguments.sample);
   const std::vector<ProbeNode> nodes =
       probe_tree(probed.records, prepared.scene, world, probed.sample);
+  if (!arguments.svg.empty()) {
+    const FigureView view{
+        fmt::format("{}, pixel {},{}",
+                    std::filesystem::path(arguments.scene.file).filename().string(), pixel.x,
+                    pixel.y),
+        arguments.least_weight};
+    write_text(arguments.svg, figure_svg(probe_figure(nodes, Vec3d(probed.sample.origin), view,
+                                                      standards.observer),
+                                         world));
+  }
   print(arguments.as_json ? json_of(arguments, prepared, pixel, probed, nodes)
                           : text_of(arguments, prepared, pixel, probed, nodes));
   return ExitCode::Done;
@@ -133,6 +148,8 @@ void add_probe_command(CLI::App& program, ExitCode& code) {
                    "print every wavelength, not only the first, the middle and the last");
   add_number(command, "--faint", arguments->least_weight, "X",
              "only count rays of a smaller weight (default: 0.01)");
+  add_shown(command, "--svg", arguments->svg, "FILE.svg",
+            "also draw these rays, in the plane that shows them best");
   command.add_flag("--json", arguments->as_json, "print JSON with all rays and wavelengths");
   command.callback([arguments, &code] { code = run_probe(*arguments); });
 }

@@ -46,6 +46,7 @@ ProbeLane lane_of(const LaneRecord& record, const SurfaceMaterial* material, con
   lane.name = lane_name(record, has_wavelengths);
   lane.position = Vec3d(record.position);
   lane.direction = Vec3d(record.direction);
+  lane.normal = Vec3d(record.normal);
   lane.deviation_deg = angle_deg(Vec3d(sample.direction), lane.direction);
   lane.throughput = static_cast<double>(record.throughput);
   if (material == nullptr) return lane;
@@ -96,6 +97,7 @@ std::vector<ProbeNode> probe_tree(std::span<const FanRecord> records, const Scen
     if (record.is_hit) {
       const Surface& surface = world.surfaces[record.surface];
       material = &world.materials[surface.material];
+      node.surface = record.surface;
       node.instance = printable(scene.instances[surface.object].name);
       if (node.instance.empty()) node.instance = fmt::format("instance {}", surface.object);
       node.material = printable(material->name);

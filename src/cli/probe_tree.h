@@ -20,6 +20,7 @@ struct ProbeLane {
   std::string name;                     ///< `587.56`, or `R`, `G`, `B`.
   Vec3d position{0.0};                  ///< Where it hit; of a ray that left, where it began.
   Vec3d direction{0.0};
+  Vec3d normal{0.0};           ///< Of a hit: towards where the ray came from.
   double deviation_deg = 0.0;  ///< Angle to the camera ray.
   double throughput = 0.0;
 
@@ -41,6 +42,7 @@ struct ProbeNode {
   int depth = 0;
   double weight = 0.0;
   bool is_hit = false;
+  std::uint32_t surface = 0;  ///< Index into World::surfaces.
   std::string instance, material;
   std::string side;  ///< "entering", "leaving", "front", "back".
   double direct_light = 0.0;

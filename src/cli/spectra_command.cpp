@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <set>
 
@@ -14,6 +13,7 @@
 #include "cli/commands.h"
 #include "cli/describe.h"
 #include "cli/options.h"
+#include "cli/outputs.h"
 #include "cli/print.h"
 #include "cli/spectra_plot.h"
 #include "load/catalogue.h"
@@ -193,12 +193,7 @@ ExitCode run_plot(const SpectraArguments& arguments) {
   if (arguments.output.empty()) {
     print(svg);
   } else {
-    write_atomically(file, [&](const std::filesystem::path& temporary) {
-      std::ofstream stream(temporary, std::ios::binary);
-      stream << svg;
-      stream.close();
-      if (!stream) throw_output_error(file.string(), "no room", "a disk that takes the plot");
-    });
+    write_text(file, svg);
   }
   return ExitCode::Done;
 }

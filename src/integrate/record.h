@@ -18,6 +18,7 @@ struct LaneRecord {
   float wavelength_nm = 0.0f;  ///< 0 in RGB modes.
   Vec3f position{0.0f};
   Vec3f direction{0.0f};  ///< In which it arrived.
+  Vec3f normal{0.0f};     ///< Of the surface, as shading has it, towards where it came from.
   float angle_incident_rad = 0.0f;
   std::optional<float> angle_refracted_rad;  ///< Absent for opaque surfaces and total reflection.
   float n_incident = 1.0f, n_transmitted = 1.0f;

@@ -66,6 +66,7 @@ void FanRecorder::arrive(const Fan& fan, const LaneMask& lanes, std::uint32_t su
     entry.wavelength_nm = wavelength_nm(fan, lane);
     entry.position = at.position.get(lane);
     entry.direction = at.direction.get(lane);
+    entry.normal = at.normal.get(lane);
     entry.throughput = at.throughput[lane];
   }
 }

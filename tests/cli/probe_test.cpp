@@ -147,5 +147,35 @@ TEST_F(ProbeTest, rgb_modes_have_channels_instead_of_wavelengths) {
   }
 }
 
+TEST_F(ProbeTest, drawing_shows_the_rays_of_every_line_with_angles_and_the_prism) {
+  Arguments arguments{"probe",   "prism.gltf", "--size", "9x9",
+                      "--pixel", "4,4",        "--svg",  "rays.svg"};
+  arguments.insert(arguments.end(), lines().begin(), lines().end());
+  const Outcome run = abbe(arguments);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("63.1713"));
+  const std::string svg = bytes("rays.svg");
+  EXPECT_THAT(svg, testing::StartsWith("<?xml"));
+  EXPECT_THAT(svg, testing::EndsWith("</svg>\n"));
+  // Into the prism for the d line: minimum deviation.
+  EXPECT_THAT(svg, HasSubstr("63.1713° → 30.0000°"));
+  EXPECT_THAT(svg, HasSubstr("63.17°"));
+  // Three sides are cut.
+  std::size_t outlines = 0;
+  for (std::size_t at = svg.find("<polyline"); at != std::string::npos;
+       at = svg.find("<polyline", at + 1)) {
+    ++outlines;
+  }
+  EXPECT_EQ(outlines, 3u);
+  for (const char* name : {"486.1", "587.6", "656.3"}) EXPECT_THAT(svg, HasSubstr(name));
+}
+
+TEST_F(ProbeTest, drawing_that_cannot_be_written_fails_before_the_scene_is_read) {
+  const Outcome run = abbe({"probe", "none.gltf", "--pixel", "4,4", "--svg", "nowhere/rays.svg"});
+  EXPECT_EQ(run.exit_code, 4);
+  EXPECT_TRUE(is_one_error_line(run.err));
+  EXPECT_THAT(run.err, HasSubstr("nowhere"));
+}
+
 }  // namespace
 }  // namespace abbe::test

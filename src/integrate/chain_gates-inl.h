@@ -7,7 +7,6 @@
 #define ABBE_INTEGRATE_CHAIN_GATES_INL_H_
 #endif
 
-#include <algorithm>
 #include <cstddef>
 
 #include "integrate/chains-inl.h"
@@ -17,29 +16,44 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
+/// A place on the facet of step s, moved off it towards another place by the rounding error that it
+/// may have, so that the facet itself is in nobody's way, however aslant.
+inline Vec3f OffFacet(const Chain& chain, const ChainWay& way, std::size_t s, int lane,
+                      const Vec3f& towards) {
+  const Vec3f place = way.places[s].get(lane) + chain.origin;
+  const Vec3f& normal = chain.steps[s].normal;
+  const float side = glm::dot(towards - place, normal) < 0.0f ? -1.0f : 1.0f;
+  return place + (side * way.slack_m[lane]) * normal;
+}
+
+inline Ray RayBetween(const Vec3f& from, const Vec3f& to, const Vec3f& direction_if_none) {
+  const Vec3f way = to - from;
+  const float length = glm::length(way);
+  return {from, length, length > 0.0f ? way / length : direction_if_none};
+}
+
+/// Backwards from a lit place, off its surface, to the last facet of a chain.
+inline Ray LastRay(const Chain& chain, const ChainWay& way, const Vec3f& origin, int lane) {
+  const std::size_t last = chain.steps.size() - 1;
+  return RayBetween(origin, OffFacet(chain, way, last, lane, origin), chain.steps[last].normal);
+}
+
 /// Backwards from the facet of step s to the one before it, or to the light.
 inline Ray GateRay(const Chain& chain, const ChainWay& way, const WorldLight& light, std::size_t s,
                    int lane) {
   const Vec3f from = way.places[s].get(lane) + chain.origin;
-  Ray ray;
+  const Vec3f& normal = chain.steps[s].normal;
   if (s > 0) {
-    const Vec3f back = way.places[s - 1].get(lane) + chain.origin - from;
-    const float length = glm::length(back);
-    ray.direction = length > 0.0f ? back / length : chain.steps[s].normal;
-    ray.t_max = length;
-  } else if (light.type == LightType::Directional) {
-    ray.direction = -light.direction;
-    ray.t_max = light.is_beam ? glm::dot(from - light.position, light.direction) : kInfinity;
-  } else {
-    const Vec3f back = light.position - from;
-    ray.t_max = glm::length(back);
-    ray.direction = back / ray.t_max;
+    const Vec3f to = way.places[s - 1].get(lane) + chain.origin;
+    return RayBetween(OffFacet(chain, way, s, lane, to), OffFacet(chain, way, s - 1, lane, from),
+                      normal);
   }
-  const float step_m = way.slack_m[lane];
-  const float side = glm::dot(ray.direction, chain.steps[s].normal) < 0.0f ? -1.0f : 1.0f;
-  ray.origin = from + side * step_m * chain.steps[s].normal;
-  ray.t_max = std::max(0.0f, ray.t_max - (s > 0 ? 2.0f * step_m : 0.0f));
-  return ray;
+  if (light.type == LightType::Directional) {
+    const float length =
+        light.is_beam ? glm::dot(from - light.position, light.direction) : kInfinity;
+    return {OffFacet(chain, way, s, lane, from - light.direction), length, -light.direction};
+  }
+  return RayBetween(OffFacet(chain, way, s, lane, light.position), light.position, normal);
 }
 
 /// The parts of a chain's way before its last facet on which something may stand, as gates of the

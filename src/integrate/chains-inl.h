@@ -122,14 +122,7 @@ HWY_INLINE bool LightOnChain(D d, const World& world, const Chain& chain, int se
     const auto scale = hn::Add(size, hn::Set(d, far));
     hn::Store(hn::Mul(scale, hn::Set(d, 2e-6f)), d, way.slack_m.v + i);
   }
-  if (!any) return false;
-  // Rays towards the light end before the last facet.
-  for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
-    const auto end =
-        hn::Sub(hn::Load(d, geometry.distance_m.v + i), hn::Load(d, way.slack_m.v + i));
-    hn::Store(hn::Max(end, zero), d, geometry.distance_m.v + i);
-  }
-  return true;
+  return any;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -98,23 +98,27 @@ class DirectLight {
       if (!begin_job(fan, lanes, material, rows, shading, rough, record_number, job)) continue;
       job.spread = true;
       job.ends_at_glass = true;
-      shadows_.add(job, [&](int lane) { return shadow_ray(lane); });
+      shadows_.add(job, [&](int lane) {
+        return LastRay(chain, way_, origin_off_surface(lane, to_light_.direction.get(lane)), lane);
+      });
       AddGates(shadows_, world_, chain, way_, job);
     }
   }
 
-  // From just off the surface, on the side of the light, up to the light.
-  Ray shadow_ray(int lane) const {
-    const Vec3f direction = to_light_.direction.get(lane);
+  // Just off the surface, on the side that a direction points to.
+  Vec3f origin_off_surface(int lane, const Vec3f& direction) const {
     const Vec3f outward = b_.at.outward.get(lane);
     const float side = glm::dot(direction, outward) < 0.0f ? -1.0f : 1.0f;
-    const float offset_m = b_.at.offset_m[lane];
-    Ray ray;
-    ray.origin = b_.at.position.get(lane) + (side * offset_m) * outward;
-    ray.direction = direction;
-    // The start has come nearer to the light by this much, which counts where a facet is the end.
-    ray.t_max = to_light_.distance_m[lane] - side * offset_m * glm::dot(outward, direction);
-    return ray;
+    return b_.at.position.get(lane) + (side * b_.at.offset_m[lane]) * outward;
+  }
+
+  // From there up to the light.
+  Ray shadow_ray(int lane) const {
+    const Vec3f direction = to_light_.direction.get(lane);
+    const Vec3f origin = origin_off_surface(lane, direction);
+    // The start has come nearer to the light.
+    const float nearer_m = glm::dot(origin - b_.at.position.get(lane), direction);
+    return {origin, to_light_.distance_m[lane] - nearer_m, direction};
   }
 
   const World& world_;

@@ -65,7 +65,10 @@ class FogLight {
         ShadowJob job;
         job.spread = true;
         job.ends_at_glass = true;
-        if (add_job(fan, lanes, job)) AddGates(shadows_, world_, chain, way_, job);
+        const auto ray_of = [&](int lane) {
+          return LastRay(chain, way_, fog_.places.get(lane), lane);
+        };
+        if (add_job(fan, lanes, job, ray_of)) AddGates(shadows_, world_, chain, way_, job);
       }
     }
   }
@@ -183,11 +186,14 @@ class FogLight {
     ShadowJob job;
     job.spread = fan.spread;
     job.ends_at_glass = light.has_chains;
-    add_job(fan, lanes, job);
+    add_job(fan, lanes, job, [&](int lane) {
+      return Ray{fog_.places.get(lane), to_light_.distance_m[lane], to_light_.direction.get(lane)};
+    });
   }
 
   // Whether the light at hand comes to anything in any lane; then it waits in the queue.
-  bool add_job(const Fan& fan, const LaneMask& lanes, ShadowJob& job) {
+  template <class RayOf>
+  bool add_job(const Fan& fan, const LaneMask& lanes, ShadowJob& job, RayOf&& ray_of) {
     const D d;
     float* light = shadows_.reserve(job);
     for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
@@ -198,9 +204,7 @@ class FogLight {
     if (!shadows_.keep_lit(job, lanes)) return false;
     job.sample = fan.sample;
     job.first_turn = fan.first_turn;
-    shadows_.add(job, [&](int lane) {
-      return Ray{fog_.places.get(lane), to_light_.distance_m[lane], to_light_.direction.get(lane)};
-    });
+    shadows_.add(job, ray_of);
     return true;
   }
 

@@ -75,6 +75,25 @@ TEST(ParallelChain, plate_inside_coloured_glass_is_dimmed_once_by_the_way_of_the
   EXPECT_NEAR(seen(8.0) / seen(0.0), std::exp(-8.0 * 0.05 * (1.0 + 1.0 / cos_t)), 2e-5);
 }
 
+TEST(ParallelChain, two_slabs_in_a_row_dim_by_four_boundaries) {
+  for (const double slope : {0.3, 2.5}) {
+    const Vec3d direction = glm::normalize(Vec3d(slope, -1.0, 0.0));
+    Scene scene = floor_scene(direction, {-1.0, 0.0, 0.0});
+    // Seen from the side that light goes to, past the slabs.
+    scene.cameras.front() = spot_camera({-1.0, 0.0, 0.0}, glm::normalize(Vec3d(-0.9, -0.3, 0.0)));
+    const float open = radiance(scene, line_settings(), kLine_d_nm);
+    const Material glass = test::glass("glass/schott/N-SF11");
+    const std::uint32_t number = test::add(scene, glass);
+    test::add_box(scene, number, {2.5, 0.01, 1.0}, test::translation({-2.5, 0.5, 0}));
+    test::add_box(scene, number, {2.5, 0.01, 1.0}, test::translation({-2.5, 0.7, 0}));
+    const double tau =
+        fresnel_dielectric(-direction.y, refractive_index(glass.index, kLine_d_nm)).transmittance();
+    // Single precision. What the slabs throw to and fro between them would be a chain of more.
+    EXPECT_NEAR(radiance(scene, line_settings(), kLine_d_nm) / open, std::pow(tau, 4.0), 2e-5)
+        << slope;
+  }
+}
+
 TEST(ParallelChain, wedge_narrows_the_beam_by_the_cosines) {
   // Light enters the wedge's flat top at right angles and leaves through the slope below.
   Scene scene = floor_scene({0, -1, 0}, {0.0, 0.0, 0.0});

@@ -11,6 +11,7 @@
 #include "cli/svg.h"
 #include "color/color.h"
 #include "color/lamp.h"
+#include "color/rgb_space.h"
 #include "color/spectrum_colours.h"
 
 namespace abbe {
@@ -273,19 +274,8 @@ std::string plot_glass_map(const std::vector<CatalogueEntry>& entries) {
 
 namespace {
 
-struct Gamut {
-  const char* name;
-  std::array<Vec2d, 3> primaries_xy;
-  const char* colour;
-};
-
-// Sources: ITU-R BT.709-6; SMPTE EG 432-1; ITU-R BT.2020-2; Academy S-2014-004.
-constexpr std::array<Gamut, 4> kGamuts{{
-    {"Rec.709, sRGB", {Vec2d{0.64, 0.33}, Vec2d{0.30, 0.60}, Vec2d{0.15, 0.06}}, "#000000"},
-    {"Display P3", {Vec2d{0.680, 0.320}, Vec2d{0.265, 0.690}, Vec2d{0.150, 0.060}}, "#0072b2"},
-    {"Rec.2020", {Vec2d{0.708, 0.292}, Vec2d{0.170, 0.797}, Vec2d{0.131, 0.046}}, "#d55e00"},
-    {"ACEScg (AP1)", {Vec2d{0.713, 0.293}, Vec2d{0.165, 0.830}, Vec2d{0.128, 0.044}}, "#8a4f7d"},
-}};
+// Of the gamuts, in the order of rgb_spaces().
+constexpr std::array<const char*, 4> kGamutColours{"#000000", "#0072b2", "#d55e00", "#8a4f7d"};
 
 std::vector<Vec2d> spectrum_locus(const Observer& observer) {
   std::vector<Vec2d> locus;
@@ -326,10 +316,11 @@ std::string plot_chromaticity(const std::vector<CatalogueEntry>& entries,
     diagram.label(at, {is_left ? -6.0 : 6.0, nm == 520.0 ? -4.0 : 3.0}, fmt::format("{:.0f}", nm),
                   "", is_left);
   }
-  for (const Gamut& gamut : kGamuts) {
+  for (std::size_t i = 0; i < rgb_spaces().size(); ++i) {
+    const RgbPrimaries& gamut = rgb_spaces()[i];
     const std::vector<Vec2d> triangle(gamut.primaries_xy.begin(), gamut.primaries_xy.end());
-    diagram.line(triangle, gamut.colour, 1.5, false, true);
-    diagram.key(gamut.name, gamut.colour);
+    diagram.line(triangle, kGamutColours.at(i), 1.5, false, true);
+    diagram.key(gamut.title, kGamutColours.at(i));
   }
   std::vector<Vec2d> planckian;
   for (double mired = 20.0; mired <= 1000.0; mired += 10.0) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "color/rgb_space.h"
+
 namespace abbe {
 namespace {
 
@@ -29,11 +31,7 @@ Vec3d xyz_of_xy(const Vec2d& xy, double Y) {
 }
 
 Mat3d rec709_to_xyz() {
-  // ITU-R BT.709-6: primaries and white.
-  const Mat3d primaries(xyz_of_xy({0.64, 0.33}), xyz_of_xy({0.30, 0.60}), xyz_of_xy({0.15, 0.06}));
-  // The primaries' luminances are those whose sum is white.
-  const Vec3d luminances = glm::inverse(primaries) * xyz_of_xy(kD65_xy);
-  return primaries * diagonal(luminances);
+  return rgb_to_xyz(RgbSpace::Rec709);
 }
 
 Mat3d xyz_to_rec709() {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "color/color.h"
+#include "color/rgb_space.h"
 
 namespace abbe {
 namespace {
@@ -21,13 +22,8 @@ Mat3d rows_over_4096(const Vec3d& first, const Vec3d& second, const Vec3d& third
 }
 
 Mat3d xyz_to_lms() {
-  const Mat3d primaries(xyz_of_xy({0.708, 0.292}), xyz_of_xy({0.170, 0.797}),
-                        xyz_of_xy({0.131, 0.046}));
-  const Vec3d luminances = glm::inverse(primaries) * xyz_of_xy(kD65_xy);
-  Mat3d rec2020_to_xyz = primaries;
-  for (int c = 0; c < 3; ++c) rec2020_to_xyz[c] *= luminances[c];
   return rows_over_4096({1688, 2146, 262}, {683, 2951, 462}, {99, 309, 3688}) *
-         glm::inverse(rec2020_to_xyz);
+         glm::inverse(rgb_to_xyz(RgbSpace::Rec2020));
 }
 
 }  // namespace

@@ -10,6 +10,9 @@ namespace {
 
 // A fit is good when it is this near in L*a*b*: far below what can be seen, or stored in a float.
 constexpr double kGoodEnough = 1e-5;
+// A step that takes off less than this share of the squared distance says that no reflectance comes
+// nearer: the colour is one that none has.
+constexpr double kStalled = 1e-5;
 
 // The colour of a reflectance and its derivatives by the coefficients.
 struct Evaluation {
@@ -17,18 +20,38 @@ struct Evaluation {
   Mat3d derivative{0.0};  ///< Column k: by c_k.
 };
 
+// Two wavelengths side by side, which the compiler makes vectors of: sums of the even and of the
+// odd ones.
 Evaluation evaluate(const NormalisedSigmoid& sigmoid, const ReflectanceProjection& projection) {
+  const double c0 = sigmoid.c[0], c1 = sigmoid.c[1], c2 = sigmoid.c[2];
+  double value[3][2] = {}, by_c0[3][2] = {}, by_c1[3][2] = {}, by_c2[3][2] = {};
+  const std::size_t count = projection.s.size();
+  for (std::size_t i = 0; i < count; i += 2) {
+    const double* s = projection.s.data() + i;
+    double fraction[2], slope[2];
+    for (std::size_t p = 0; p < 2; ++p) {
+      const double x = (c0 * s[p] + c1) * s[p] + c2;
+      const double root = 1.0 / std::sqrt(1.0 + x * x);
+      fraction[p] = 0.5 + 0.5 * x * root;
+      slope[p] = 0.5 * root * root * root;
+    }
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const double* weight = projection.weight_rec709[channel].data() + i;
+      for (std::size_t p = 0; p < 2; ++p) {
+        value[channel][p] += weight[p] * fraction[p];
+        const double weighted = weight[p] * slope[p];
+        by_c2[channel][p] += weighted;
+        by_c1[channel][p] += weighted * s[p];
+        by_c0[channel][p] += weighted * s[p] * s[p];
+      }
+    }
+  }
   Evaluation result;
-  for (std::size_t i = 0; i < projection.s.size(); ++i) {
-    const double s = projection.s[i];
-    const double x = (sigmoid.c[0] * s + sigmoid.c[1]) * s + sigmoid.c[2];
-    const double root = 1.0 / std::sqrt(1.0 + x * x);
-    const Vec3d& weight = projection.weight_rec709[i];
-    result.rgb_rec709 += (0.5 + 0.5 * x * root) * weight;
-    const Vec3d slope = (0.5 * root * root * root) * weight;
-    result.derivative[0] += s * s * slope;
-    result.derivative[1] += s * slope;
-    result.derivative[2] += slope;
+  for (int channel = 0; channel < 3; ++channel) {
+    result.rgb_rec709[channel] = value[channel][0] + value[channel][1];
+    result.derivative[0][channel] = by_c0[channel][0] + by_c0[channel][1];
+    result.derivative[1][channel] = by_c1[channel][0] + by_c1[channel][1];
+    result.derivative[2][channel] = by_c2[channel][0] + by_c2[channel][1];
   }
   return result;
 }
@@ -92,6 +115,7 @@ NormalisedSigmoid fit_reflectance(const Vec3d& rgb_rec709, const ReflectanceProj
     const Mat3d jacobian = lab_derivative(at_best.rgb_rec709) * at_best.derivative;
     const Mat3d normal = glm::transpose(jacobian) * jacobian;
     const Vec3d gradient = glm::transpose(jacobian) * residual;
+    const double error_before = error;
     bool improved = false;
     while (!improved && damping < 1e12) {
       Mat3d damped = normal;
@@ -114,16 +138,98 @@ NormalisedSigmoid fit_reflectance(const Vec3d& rgb_rec709, const ReflectanceProj
       }
       damping *= improved ? 0.1 : 8.0;
     }
-    if (!improved) break;
+    if (!improved || error_before - error < kStalled * error) break;
     damping = std::max(damping, 1e-9);
   }
   return best;
 }
 
+namespace {
+
+// Sums of the weights up to a place between two wavelengths, for reflectances with sharp edges.
+class EdgeSums {
+ public:
+  explicit EdgeSums(const ReflectanceProjection& projection) {
+    sums_.emplace_back(0.0);
+    for (std::size_t i = 0; i < projection.s.size(); ++i) {
+      Vec3d weight;
+      for (std::size_t c = 0; c < 3; ++c)
+        weight[static_cast<int>(c)] = projection.weight_rec709[c][i];
+      sums_.push_back(sums_.back() + weight);
+    }
+  }
+  double size() const { return static_cast<double>(sums_.size() - 1); }
+  Vec3d up_to(double place) const {
+    const double at = std::clamp(place, 0.0, size());
+    const std::size_t below = std::min(static_cast<std::size_t>(at), sums_.size() - 2);
+    const double t = at - static_cast<double>(below);
+    return (1.0 - t) * sums_[below] + t * sums_[below + 1];
+  }
+  Vec3d band(double from, double to, bool is_gap) const {
+    const Vec3d inside = up_to(to) - up_to(from);
+    return is_gap ? sums_.back() - inside : inside;
+  }
+
+ private:
+  std::vector<Vec3d> sums_;
+};
+
+// The optimal colour nearest to one that no reflectance has: 1 in a band and 0 outside, or the
+// other way round. First on a coarse grid of edges, then each edge on its own in ever smaller
+// steps.
+NormalisedSigmoid nearest_optimal(const Vec3d& rgb_rec709,
+                                  const ReflectanceProjection& projection) {
+  const EdgeSums sums(projection);
+  const Vec3d target = lab_of(rgb_rec709);
+  double edge[2] = {0.0, 0.0}, error = 1e30;
+  bool is_gap = false;
+  const auto try_edges = [&](double from, double to, bool gap) {
+    if (from > to) return false;
+    const Vec3d residual = lab_of(sums.band(from, to, gap)) - target;
+    const double here = glm::dot(residual, residual);
+    if (here >= error) return false;
+    error = here;
+    edge[0] = from;
+    edge[1] = to;
+    is_gap = gap;
+    return true;
+  };
+  constexpr double kCoarse = 12.0, kFine = 1.0 / 64.0;
+  for (double from = 0.0; from < sums.size(); from += kCoarse) {
+    for (double to = from + kCoarse; to < sums.size() + kCoarse; to += kCoarse) {
+      for (const bool gap : {false, true}) try_edges(from, to, gap);
+    }
+  }
+  for (double step = 0.5 * kCoarse; step > kFine;) {
+    bool improved = false;
+    for (const double first : {-step, 0.0, step}) {
+      for (const double second : {-step, 0.0, step}) {
+        improved |= try_edges(edge[0] + first, edge[1] + second, is_gap);
+      }
+    }
+    if (!improved) step *= 0.5;
+  }
+  // Edges as steep as single precision lets them be: x = ∓k (s − s0)(s − s1).
+  constexpr double k = 0.25 * kSaturated;
+  const double step_s = projection.s[1] - projection.s[0];
+  const double s0 = projection.s[0] + (edge[0] - 0.5) * step_s;
+  const double s1 = projection.s[0] + (edge[1] - 0.5) * step_s;
+  const double sign = is_gap ? 1.0 : -1.0;
+  return {sign * k * Vec3d(1.0, -(s0 + s1), s0 * s1)};
+}
+
+double squared_miss(const NormalisedSigmoid& sigmoid, const Vec3d& rgb_rec709,
+                    const ReflectanceProjection& projection) {
+  const Vec3d residual = lab_of(projection.rec709(sigmoid)) - lab_of(rgb_rec709);
+  return glm::dot(residual, residual);
+}
+
+}  // namespace
+
 NormalisedSigmoid fit_reflectance(const Vec3d& rgb_rec709,
                                   const ReflectanceProjection& projection) {
   if (rgb_rec709.r == rgb_rec709.g && rgb_rec709.g == rgb_rec709.b) {
-    return constant_reflectance(rgb_rec709.r);
+    return constant_reflectance(std::clamp(rgb_rec709.r, 0.0, 1.0));
   }
   const double grey = std::clamp(glm::dot(rgb_rec709, Vec3d(0.2126, 0.7152, 0.0722)), 0.02, 0.98);
   NormalisedSigmoid sigmoid = constant_reflectance(grey);
@@ -133,7 +239,11 @@ NormalisedSigmoid fit_reflectance(const Vec3d& rgb_rec709,
     const double t = static_cast<double>(step) / kSteps;
     sigmoid = fit_reflectance(t * rgb_rec709 + (1.0 - t) * Vec3d(grey), projection, sigmoid);
   }
-  return sigmoid;
+  const double miss = squared_miss(sigmoid, rgb_rec709, projection);
+  constexpr double kMissed = 0.01;  // In L*a*b*: such a colour is impossible, or nearly so.
+  if (miss < kMissed * kMissed) return sigmoid;
+  const NormalisedSigmoid optimal = nearest_optimal(rgb_rec709, projection);
+  return squared_miss(optimal, rgb_rec709, projection) < miss ? optimal : sigmoid;
 }
 
 }  // namespace abbe

@@ -2,6 +2,7 @@
 /// share.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "math/vec.h"
@@ -20,8 +21,8 @@ inline constexpr double kSaturated = 4096.0;
 /// How reflectances become linear Rec.709 under a lamp: a sum over equidistant wavelengths.
 /// Σ weights = (1, 1, 1), so that the reflectance 1 is white.
 struct ReflectanceProjection {
-  std::vector<double> s;             ///< Abscissas in [−1, 1].
-  std::vector<Vec3d> weight_rec709;  ///< As many.
+  std::vector<double> s;                             ///< Abscissas, an even number of them.
+  std::array<std::vector<double>, 3> weight_rec709;  ///< As many, by channel.
 
   Vec3d rec709(const NormalisedSigmoid& reflectance) const;
 };
@@ -31,7 +32,7 @@ NormalisedSigmoid constant_reflectance(double value);
 
 /// The reflectance whose colour is nearest to the given one in CIE L*a*b*, found from `start` by
 /// Levenberg and Marquardt's method.
-/// Domain: rgb_rec709 in [0, 1].
+/// Domain: any colour; the nearest where no reflectance has it.
 NormalisedSigmoid fit_reflectance(const Vec3d& rgb_rec709, const ReflectanceProjection& projection,
                                   const NormalisedSigmoid& start);
 

@@ -26,7 +26,8 @@ White scene_white(const Scene& scene, const Box3f& bounds, const Spectrum& d65,
   const double radius_m = 0.5 * glm::length(high - low);
   const Spectrum d65_of_1_cd = d65.scaled(1.0 / xyz_of(d65, observer).y);
   const auto add_rgb = [&](const Vec3d& rgb_rec709, double share) {
-    const Spectrum spectrum = uplift_emission_rec709(rgb_rec709, d65_of_1_cd);
+    // Every uplift gives a lamp's colour this white.
+    const Spectrum spectrum = uplift_emission(Uplift::JakobHanika, rgb_rec709, d65_of_1_cd);
     const double luminance = xyz_of(spectrum, observer).y;
     if (luminance > 0.0) white.lamps.emplace_back(spectrum, share * luminance);
   };

@@ -1,5 +1,6 @@
 // Makes the data of color/uplift.cpp from the measured observer and illuminant, as C++ source.
-// Arguments: the observer's file, D65's file, the file to write.
+// Arguments: the observer's file, D65's file, those of Mallett and Yuksel's red, green and blue,
+// the file to write.
 #include <array>
 #include <cstdio>
 #include <exception>
@@ -49,11 +50,11 @@ ReflectanceProjection projection_of(const Observer& observer, const Spectrum& d6
   const Development development = development_for(observer, d65);
   const double white_luminance = xyz_of(d65, observer).y;
   ReflectanceProjection projection;
-  projection.weight_rec709.assign(kUpliftWavelengths, Vec3d(0.0));
+  for (std::vector<double>& weights : projection.weight_rec709) weights.resize(kUpliftWavelengths);
   for (std::size_t i = 0; i < kUpliftWavelengths; ++i) {
     const double nm = kRangeMin_nm + static_cast<double>(i);
     projection.s.push_back((nm - 595.0) / 235.0);
-    if (i + 1 == kUpliftWavelengths) break;
+    if (nm >= kRangeMax_nm) continue;
     for (const double fraction : {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)}) {
       const double at_nm = nm + fraction;
       const Vec3d seen(observer.x_bar.value(at_nm), observer.y_bar.value(at_nm),
@@ -61,8 +62,11 @@ ReflectanceProjection projection_of(const Observer& observer, const Spectrum& d6
       const Vec3d weight =
           development.xyz_to_rec709 *
           (seen * (0.5 * kLuminousEfficacy_lm_per_W * d65.value(at_nm) / white_luminance));
-      projection.weight_rec709[i] += (1.0 - fraction) * weight;
-      projection.weight_rec709[i + 1] += fraction * weight;
+      for (int channel = 0; channel < 3; ++channel) {
+        std::vector<double>& weights = projection.weight_rec709[static_cast<std::size_t>(channel)];
+        weights[i] += (1.0 - fraction) * weight[channel];
+        weights[i + 1] += fraction * weight[channel];
+      }
     }
   }
   return projection;
@@ -70,19 +74,21 @@ ReflectanceProjection projection_of(const Observer& observer, const Spectrum& d6
 
 // The nodes along the brightness axis of one hue and saturation, from the middle outwards, each
 // fitted from its neighbour.
-void fill_column(std::size_t largest, std::size_t j, std::size_t k,
+void fill_column(std::size_t largest, std::size_t j, std::size_t k, const Mat3d& to_rec709,
                  const ReflectanceProjection& projection, std::vector<float>& table) {
   constexpr double kDarkest = 1e-5;  // black itself has no hue to keep
   const auto coordinate = [](std::size_t node) {
     return uplift_coordinate(static_cast<double>(node) / (kUpliftNodes - 1));
   };
+  const bool is_grey = j == kUpliftNodes - 1 && k == kUpliftNodes - 1;
+  const auto brightness_at = [&](std::size_t i) { return std::max(coordinate(i), kDarkest); };
   const auto color_at = [&](std::size_t i) {
-    const double brightness = std::max(coordinate(i), kDarkest);
-    Vec3d rgb_rec709;
-    rgb_rec709[static_cast<int>(largest)] = brightness;
-    rgb_rec709[static_cast<int>((largest + 1) % 3)] = brightness * coordinate(j);
-    rgb_rec709[static_cast<int>((largest + 2) % 3)] = brightness * coordinate(k);
-    return rgb_rec709;
+    const double brightness = brightness_at(i);
+    Vec3d of_space;
+    of_space[static_cast<int>(largest)] = brightness;
+    of_space[static_cast<int>((largest + 1) % 3)] = brightness * coordinate(j);
+    of_space[static_cast<int>((largest + 2) % 3)] = brightness * coordinate(k);
+    return is_grey ? Vec3d(brightness) : to_rec709 * of_space;
   };
   const auto store = [&](std::size_t i, const NormalisedSigmoid& sigmoid) {
     for (std::size_t w = 0; w < 3; ++w) {
@@ -97,8 +103,7 @@ void fill_column(std::size_t largest, std::size_t j, std::size_t k,
     const NormalisedSigmoid near = fit_reflectance(color, projection, neighbour);
     // Where the neighbour was no good start, take the long way.
     const double miss = glm::length(projection.rec709(near) - color);
-    return miss < 1e-4 * color[static_cast<int>(largest)] ? near
-                                                          : fit_reflectance(color, projection);
+    return miss < 1e-4 * brightness_at(i) ? near : fit_reflectance(color, projection);
   };
   const std::size_t middle = kUpliftNodes / 2;
   const NormalisedSigmoid first = fit_reflectance(color_at(middle), projection);
@@ -109,18 +114,43 @@ void fill_column(std::size_t largest, std::size_t j, std::size_t k,
   for (std::size_t i = middle; i-- > 0;) store(i, last = fit_from(i, last));
 }
 
-void write(const std::string& file, const ReflectanceProjection& projection,
-           const std::vector<float>& table) {
+using Triples = std::array<std::vector<double>, 3>;
+
+void write_triples(std::FILE* out, const char* name, const char* rows, const Triples& columns) {
+  std::fprintf(out, "extern const double %s[%s * 3] = {\n", name, rows);
+  for (std::size_t i = 0; i < columns[0].size(); ++i) {
+    std::fprintf(out, "%.17g, %.17g, %.17g,\n", columns[0][i], columns[1][i], columns[2][i]);
+  }
+  std::fputs("};\n\n", out);
+}
+
+Triples mallett_yuksel_basis(char** files) {
+  Triples basis;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto columns = columns_of(files[i], 2);
+    if (columns[0].size() != kMallettYukselRows || columns[0].front() != kMallettYukselFirst_nm ||
+        columns[0][1] - columns[0][0] != kMallettYukselStep_nm) {
+      throw std::runtime_error(std::string(files[i]) + ": other wavelengths than uplift_table.h");
+    }
+    basis[i] = columns[1];
+  }
+  return basis;
+}
+
+void write(const std::string& file, const ReflectanceProjection& projection, const Triples& basis,
+           const std::vector<std::vector<float>>& tables) {
   std::FILE* out = std::fopen(file.c_str(), "w");
   if (!out) throw std::runtime_error(file + ": cannot be written");
   std::fputs("#include \"color/uplift_table.h\"\n\nnamespace abbe {\n\n", out);
-  std::fputs("extern const double kUpliftProjection[kUpliftWavelengths * 3] = {\n", out);
-  for (const Vec3d& weight : projection.weight_rec709) {
-    std::fprintf(out, "%.17g, %.17g, %.17g,\n", weight.r, weight.g, weight.b);
-  }
-  std::fputs("};\n\nextern const float kUpliftTable[kUpliftTableSize] = {\n", out);
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    std::fprintf(out, "%.9e%s", double{table[i]}, i % 6 == 5 ? "f,\n" : "f,");
+  write_triples(out, "kUpliftProjection", "kUpliftWavelengths", projection.weight_rec709);
+  write_triples(out, "kMallettYukselBasis", "kMallettYukselRows", basis);
+  std::fputs("extern const float kUpliftTables[kUpliftSpaces.size()][kUpliftTableSize] = {\n", out);
+  for (const std::vector<float>& table : tables) {
+    std::fputs("{", out);
+    for (std::size_t i = 0; i < table.size(); ++i) {
+      std::fprintf(out, "%.9e%s", double{table[i]}, i % 6 == 5 ? "f,\n" : "f,");
+    }
+    std::fputs("},\n", out);
   }
   std::fputs("};\n\n}  // namespace abbe\n", out);
   if (std::fclose(out) != 0) throw std::runtime_error(file + ": cannot be written");
@@ -129,8 +159,9 @@ void write(const std::string& file, const ReflectanceProjection& projection,
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::cerr << "usage: " << argv[0] << " OBSERVER.txt D65.txt OUT.cpp\n";
+  if (argc != 7) {
+    std::cerr << "usage: " << argv[0]
+              << " OBSERVER.txt D65.txt RED.txt GREEN.txt BLUE.txt OUT.cpp\n";
     return 2;
   }
   try {
@@ -139,12 +170,16 @@ int main(int argc, char** argv) {
     const Observer observer{"observer/cie1931-2deg", curve(observer_columns, 1),
                             curve(observer_columns, 2), curve(observer_columns, 3)};
     const ReflectanceProjection projection = projection_of(observer, curve(d65_columns, 1));
-    std::vector<float> table(kUpliftTableSize);
-    parallel_for(0, 3 * kUpliftNodes * kUpliftNodes, 8, [&](std::size_t column) {
-      fill_column(column / (kUpliftNodes * kUpliftNodes), column / kUpliftNodes % kUpliftNodes,
-                  column % kUpliftNodes, projection, table);
-    });
-    write(argv[3], projection, table);
+    std::vector<std::vector<float>> tables;
+    for (const RgbSpace space : kUpliftSpaces) {
+      const Mat3d to_rec709 = rgb_to_rec709(space);
+      std::vector<float>& table = tables.emplace_back(kUpliftTableSize);
+      parallel_for(0, 3 * kUpliftNodes * kUpliftNodes, 8, [&](std::size_t column) {
+        fill_column(column / (kUpliftNodes * kUpliftNodes), column / kUpliftNodes % kUpliftNodes,
+                    column % kUpliftNodes, to_rec709, projection, table);
+      });
+    }
+    write(argv[6], projection, mallett_yuksel_basis(argv + 3), tables);
   } catch (const std::exception& error) {
     std::cerr << argv[0] << ": " << error.what() << '\n';
     return 1;

@@ -7,6 +7,7 @@
 #include "base/constants.h"
 #include "cli/describe.h"
 #include "render/settings.h"
+#include "scene/colors.h"
 #include "world/flat_bodies.h"
 
 namespace abbe {
@@ -134,6 +135,14 @@ Description describe_scene(const PreparedScene& prepared, const Catalogue& catal
   if (scene.ambient) {
     out["ambient"] = {{"luminance_cd_per_m2", scene.ambient->luminance_cd_per_m2},
                       {"spectrum", scene.ambient->spectrum.id}};
+  }
+  const ColorCount colors = count_colors(scene);
+  out["colors"] = {{"space", rgb_space_name(scene.color_space)},
+                   {"outside_rec709", colors.outside_rec709},
+                   {"impossible", colors.impossible}};
+  if (colors.impossible > 0) {
+    notes.warn("colors", fmt::format("{} of a kind that no reflectance has: the nearest is taken",
+                                     colors.impossible));
   }
   out["materials"] = Description::array();
   for (const Material& material : scene.materials) {

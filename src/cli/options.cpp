@@ -23,6 +23,9 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   add_shown(
       command, "--mode", options.mode, "MODE",
       "spectral, rgb (one index of refraction) or rgb3 (one per channel) (default: spectral)");
+  add_shown(command, "--uplift", options.uplift, "NAME",
+            "how RGB colours become spectra: jakob-hanika, or mallett-yuksel, which knows Rec.709 "
+            "only (default: jakob-hanika)");
   add_shown(command, "--size", options.size, "WxH",
             "pixels (default: 540 rows in the camera's shape, 960x540 without one)");
   add_number(command, "--wavelengths", settings.wavelengths.count, "N",
@@ -54,6 +57,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
 void resolve_settings(SceneOptions& options) {
   RenderSettings& settings = options.settings;
   settings.mode = mode_from_name(options.mode);
+  settings.uplift = uplift_from_name(options.uplift);
   if (options.caustics != "exact" && options.caustics != "off") {
     throw_usage_error("--caustics", options.caustics, "a way to follow light", {"exact", "off"});
   }

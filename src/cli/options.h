@@ -23,6 +23,7 @@ struct SceneOptions {
   std::string mode = "spectral";
   std::string range, lines;
   std::string caustics = "exact";
+  std::string uplift = "jakob-hanika";
   int threads = 0;
   RenderSettings settings;  ///< The numbers; complete after resolve_settings.
 };

@@ -60,8 +60,10 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
   out["abbe:mode"] = mode_name(settings.mode);
 
   out["abbe:illuminant"] = illuminant_text(prepared.scene);
-  out["abbe:uplift"] = settings.mode == Mode::Spectral ? std::string("Jakob-Hanika 2019, Rec.709")
-                                                       : std::string("none");
+  out["abbe:uplift"] = settings.mode == Mode::Spectral
+                           ? fmt::format("{}, {}", uplift_title(settings.uplift),
+                                         primaries_of(prepared.scene.color_space).title)
+                           : std::string("none");
   out["abbe:primaries"] = color_space;
   out["abbe:unit"] = std::string("D65 at 1 cd/m2 is 1, 1, 1");
 

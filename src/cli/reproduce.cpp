@@ -7,6 +7,8 @@
 #include <cctype>
 #include <variant>
 
+#include "color/uplift.h"
+
 namespace abbe {
 namespace {
 
@@ -99,6 +101,10 @@ std::optional<std::string> render_command_of(const ExrHeader& header) {
     if (!value) continue;
     command += std::string(" ") + setting.option + " " +
                quoted(setting.end != nullptr ? before(*value, setting.end) : *value);
+  }
+  const auto uplift = text_of(header, "abbe:uplift");
+  if (uplift && uplift->starts_with(uplift_title(Uplift::MallettYuksel))) {
+    command += " --uplift " + uplift_name(Uplift::MallettYuksel);
   }
   const auto camera = text_of(header, "abbe:camera");
   if (camera && *camera != "default") command += " --camera " + quoted(*camera);

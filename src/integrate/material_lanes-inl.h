@@ -30,7 +30,15 @@ void FillColor(D d, const World& world, const ColorSample& color, const float* r
   const float* abscissa = world.row(world.uplift_abscissa, set);
   for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
     auto value = color.uses_row ? hn::LoadU(d, row + i) : hn::Set(d, 1.0f);
-    if (color.uses_lookup) {
+    if (color.uses_lookup && world.lanes.uplift() == Uplift::MallettYuksel) {
+      auto sum = hn::Zero(d);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float* curve = world.row(world.uplift_basis[c], set);
+        sum = hn::Add(
+            sum, hn::Mul(hn::Set(d, color.lookup[static_cast<int>(c)]), hn::LoadU(d, curve + i)));
+      }
+      value = hn::Mul(value, sum);
+    } else if (color.uses_lookup) {
       value = hn::Mul(value, SigmoidValue(d, hn::Set(d, color.lookup.x), hn::Set(d, color.lookup.y),
                                           hn::Set(d, color.lookup.z), hn::LoadU(d, abscissa + i)));
     }

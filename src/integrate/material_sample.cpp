@@ -23,10 +23,11 @@ Vec4f base_modulation(const World& world, const SurfaceMaterial& material,
   return value;
 }
 
-// In RGB modes the triple is used as it is, otherwise as a smooth reflectance.
+// RGB modes, and a basis of Rec.709, know no colours beyond it.
 Vec3f lookup_of(const World& world, const Vec3f& rgb_rec709) {
-  if (world.lanes.quadrature() == nullptr) return rgb_rec709;
-  return uplift_rec709_from_table(glm::clamp(rgb_rec709, Vec3f(0.0f), Vec3f(1.0f)));
+  const bool is_smooth =
+      world.lanes.quadrature() != nullptr && world.lanes.uplift() == Uplift::JakobHanika;
+  return is_smooth ? uplift_rec709_from_table(rgb_rec709) : glm::clamp(rgb_rec709, 0.0f, 1.0f);
 }
 
 float coverage(const SurfaceMaterial& material, float alpha) {
@@ -92,10 +93,12 @@ MaterialSample material_sample(const World& world, const SurfaceMaterial& materi
         material.emission_is_spectrum ? factor : material.emissive_rec709 * factor;
     sample.emission.uses_row = material.emission_is_spectrum;
     sample.emission.uses_lookup = true;
-    if (world.lanes.quadrature() == nullptr || material.emission_is_spectrum) {
+    if (world.lanes.quadrature() == nullptr) {
+      sample.emission.lookup = glm::max(emitted_rec709, 0.0f);
+    } else if (material.emission_is_spectrum) {
       sample.emission.lookup = lookup_of(world, emitted_rec709);
     } else {
-      // The scale rule for unbounded colours: see uplift_emission_rec709.
+      // The scale rule for unbounded colours: see uplift_emission.
       const float scale =
           2.0f * std::max({emitted_rec709.x, emitted_rec709.y, emitted_rec709.z, 0.0f});
       sample.emission_scale = scale;

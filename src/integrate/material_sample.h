@@ -14,7 +14,8 @@ namespace abbe {
 struct ColorSample {
   bool uses_row = true;
   bool uses_lookup = false;
-  /// Coefficients of a smooth reflectance (color/uplift.h); in RGB modes the linear Rec.709 itself.
+  /// Coefficients of a smooth reflectance (color/uplift.h), or of Mallett and Yuksel's basis; in
+  /// RGB modes the linear Rec.709 itself.
   Vec3f lookup{0.0f};
 };
 
@@ -25,6 +26,14 @@ inline float lane_value(const World& world, const ColorSample& color, const floa
   const float value = color.uses_row ? row[lane] : 1.0f;
   if (!color.uses_lookup) return value;
   if (world.lanes.quadrature() == nullptr) return value * color.lookup[std::min(lane, 2)];
+  if (world.lanes.uplift() == Uplift::MallettYuksel) {
+    float sum = 0.0f;
+    for (int i = 0; i < 3; ++i) {
+      sum +=
+          color.lookup[i] * world.row(world.uplift_basis[static_cast<std::size_t>(i)], set)[lane];
+    }
+    return value * sum;
+  }
   const float s = world.row(world.uplift_abscissa, set)[lane];
   const float x = (color.lookup.x * s + color.lookup.y) * s + color.lookup.z;
   return value * (0.5f + 0.5f * (x / std::sqrt(1.0f + x * x)));

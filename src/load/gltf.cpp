@@ -17,6 +17,7 @@
 #include "load/gltf_nodes.h"
 #include "load/gltf_spectra.h"
 #include "load/gltf_textures.h"
+#include "scene/colors.h"
 #include "scene/validation.h"
 
 namespace abbe {
@@ -303,6 +304,7 @@ Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
   }
   scene.content_hash = document.content_hash();
   validate(scene, document.file_name());
+  convert_colors_to_rec709(scene);
   return scene;
 }
 

@@ -182,7 +182,11 @@ void apply_abbe_scene(Document& document, int scene_index, Spectra& spectra, Sce
   if (extension == nullptr) return;
   const Fields fields(document, *extension,
                       fmt::format("/scenes/{}/extensions/ABBE_scene", scene_index));
-  fields.only({"ambient", "fog"});
+  fields.only({"ambient", "fog", "colorspace"});
+  if (fields.has("colorspace")) {
+    scene.color_space =
+        rgb_space_from_name(fields.required_text("colorspace"), fields.where("colorspace"));
+  }
   if (const auto fog = fields.object("fog")) {
     fog->only({"extinction", "albedo"});
     Fog result;

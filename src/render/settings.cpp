@@ -66,6 +66,7 @@ std::vector<std::string> aov_names() {
 WorldOptions world_options(const RenderSettings& settings) {
   return {.mode = settings.mode,
           .wavelengths = settings.wavelengths,
+          .uplift = settings.uplift,
           .caustics = {.exact = settings.caustics,
                        .inner_reflections = settings.inner_reflections,
                        .cutoff = settings.cutoff}};

@@ -26,6 +26,7 @@ struct RenderSettings {
   int max_depth = 16;
   double cutoff = 1e-4;
   bool drop = false;
+  Uplift uplift = Uplift::JakobHanika;  ///< Of the scene's RGB colours, in spectral mode.
   bool caustics = true;       ///< Light bent by flat facets exactly; else straight shadow rays.
   int inner_reflections = 1;  ///< Of a chain of facets, in one body.
   std::uint32_t seed = 0;

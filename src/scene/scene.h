@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "color/rgb_space.h"
 #include "math/ray.h"
 #include "math/vec.h"
 #include "optics/dispersion.h"
@@ -17,7 +18,8 @@
 
 namespace abbe {
 
-/// A triple in linear Rec.709 that stands for a colour, still without a spectrum.
+/// A triple in linear Rec.709 that stands for a colour, still without a spectrum. Channels outside
+/// [0, 1] are those of a colour beyond its gamut.
 struct RgbRec709 {
   Vec3d rgb_rec709{1.0};
 };
@@ -209,6 +211,7 @@ struct Fog {
 
 struct Scene {
   std::string name;
+  RgbSpace color_space = RgbSpace::Rec709;  ///< Of colour textures; all else is linear Rec.709.
   std::vector<TextureImage> images;
   std::vector<Texture> textures;
   std::vector<Material> materials;

@@ -32,10 +32,6 @@ double absorption_from(double transmittance, double distance_m) {
   return -std::log(std::clamp(transmittance, kLeastTransmittance, 1.0)) / distance_m;
 }
 
-Spectrum uplifted(const RgbRec709& color) {
-  return Spectrum::sigmoid(uplift_rec709(clamped_color(color.rgb_rec709)));
-}
-
 }  // namespace
 
 Mode mode_from_name(const std::string& name) {
@@ -59,8 +55,9 @@ std::string mode_name(Mode mode) {
 
 LaneModel::LaneModel(Mode mode, const WavelengthOptions& options, const Observer& observer,
                      const Spectrum& d65, std::span<const Spectrum> lamps,
-                     const DevelopmentOptions& development)
+                     const DevelopmentOptions& development, Uplift uplift)
     : mode_(mode),
+      uplift_(uplift),
       observer_(observer),
       film_observer_(development.observer.value_or(observer)),
       film_to_rec709_(responses_to_rec709(development, observer, d65)) {
@@ -91,11 +88,12 @@ LaneModel::LaneModel(Mode mode, const WavelengthOptions& options, const Observer
 std::vector<float> LaneModel::reflectance(const Reflectance& value) const {
   const auto* color = std::get_if<RgbRec709>(&value);
   if (!quadrature_) {
-    return padded_rgb(color ? color->rgb_rec709
+    return padded_rgb(color ? clamped_color(color->rgb_rec709)
                             : rec709_of_reflectance(std::get<Spectrum>(value), film_observer_, d65_,
                                                     development_));
   }
-  return quadrature_->tabulate(color ? uplifted(*color) : std::get<Spectrum>(value));
+  return quadrature_->tabulate(color ? uplift_reflectance(uplift_, color->rgb_rec709)
+                                     : std::get<Spectrum>(value));
 }
 
 std::vector<float> LaneModel::quantity(const Spectrum& value) const {
@@ -111,9 +109,9 @@ std::vector<float> LaneModel::emission(const Spectrum& value) const {
 
 std::vector<float> LaneModel::emission(const RgbRec709& value) const {
   if (quadrature_) {
-    return quadrature_->tabulate_emission(uplift_emission_rec709(value.rgb_rec709, d65_));
+    return quadrature_->tabulate_emission(uplift_emission(uplift_, value.rgb_rec709, d65_));
   }
-  return padded_rgb(value.rgb_rec709);
+  return padded_rgb(glm::max(value.rgb_rec709, 0.0));
 }
 
 std::vector<float> LaneModel::index(const Dispersion& value) const {
@@ -149,7 +147,7 @@ std::vector<float> LaneModel::attenuation(const Vec3d& color_rec709, double dist
                        absorption_from(color_rec709.y, distance_m),
                        absorption_from(color_rec709.z, distance_m)});
   }
-  const Spectrum transmittance = uplifted({color_rec709});
+  const Spectrum transmittance = uplift_reflectance(uplift_, color_rec709);
   return quadrature_->tabulate(
       [&](double nm) { return absorption_from(transmittance.value(nm), distance_m); });
 }
@@ -157,6 +155,11 @@ std::vector<float> LaneModel::attenuation(const Vec3d& color_rec709, double dist
 std::vector<float> LaneModel::uplift_abscissa() const {
   if (!quadrature_) return padded_rgb(Vec3d(0.0));
   return quadrature_->tabulate([](double nm) { return (nm - 595.0) / 235.0; });
+}
+
+std::vector<float> LaneModel::uplift_basis(int channel) const {
+  if (!quadrature_) return padded_rgb(Vec3d(0.0));
+  return quadrature_->tabulate([channel](double nm) { return mallett_yuksel_basis(nm)[channel]; });
 }
 
 std::vector<float> LaneModel::inverse_wavelength() const {

@@ -8,6 +8,7 @@
 
 #include "color/color.h"
 #include "color/development.h"
+#include "color/uplift.h"
 #include "optics/dispersion.h"
 #include "scene/scene.h"
 #include "spectrum/observer.h"
@@ -33,9 +34,10 @@ class LaneModel {
   /// are the scene's emission spectra (for the wavelength density).
   LaneModel(Mode mode, const WavelengthOptions& options, const Observer& observer,
             const Spectrum& d65, std::span<const Spectrum> lamps,
-            const DevelopmentOptions& development = {});
+            const DevelopmentOptions& development = {}, Uplift uplift = Uplift::JakobHanika);
 
   Mode mode() const { return mode_; }
+  Uplift uplift() const { return uplift_; }
   int lane_count() const { return lane_count_; }
   int lane_stride() const { return lane_stride_; }
   int set_count() const { return set_count_; }
@@ -50,13 +52,14 @@ class LaneModel {
   /// Absent in the RGB modes.
   const WavelengthQuadrature* quadrature() const { return quadrature_ ? &*quadrature_ : nullptr; }
 
-  /// A reflectance or transmittance: uplifted or sampled; in RGB modes projected under D65.
+  /// A reflectance or transmittance: uplifted or sampled; in RGB modes projected under D65, and
+  /// RGB limited to the gamut of Rec.709, which is all that their lanes can tell.
   std::vector<float> reflectance(const Reflectance& value) const;
   /// A quantity that is no colour (n, k): sampled; in RGB modes at the C, d, F lines.
   std::vector<float> quantity(const Spectrum& value) const;
   /// Emission in W·m⁻²·sr⁻¹·nm⁻¹; in RGB modes linear Rec.709 in cd/m².
   std::vector<float> emission(const Spectrum& value) const;
-  /// Emission given as RGB in cd/m² per channel.
+  /// Emission given as RGB in cd/m² per channel; in RGB modes negative channels are 0.
   std::vector<float> emission(const RgbRec709& value) const;
   std::vector<float> index(const Dispersion& value) const;
   /// Absorption in m⁻¹; in RGB modes that of the medium's colour at the depth of mean absorption.
@@ -66,6 +69,8 @@ class LaneModel {
 
   /// (λ_nm − 595)/235 of every lane, the abscissa of uplift_rec709_from_table; 0 in RGB modes.
   std::vector<float> uplift_abscissa() const;
+  /// One curve of Mallett and Yuksel's basis: red, green or blue.
+  std::vector<float> uplift_basis(int channel) const;
 
   /// 1/λ in nm⁻¹ of every lane. In RGB modes a channel stands for one wavelength, that on which its
   /// primary's hue lies: few as they are, they make fringes of thick films that no eye would see.
@@ -80,6 +85,7 @@ class LaneModel {
 
  private:
   Mode mode_;
+  Uplift uplift_;
   int lane_count_ = 3;
   int lane_stride_ = 4;
   int set_count_ = 1;

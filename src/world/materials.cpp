@@ -38,8 +38,10 @@ class TexturePool {
     auto found = index_.find(key);
     if (found == index_.end()) {
       const Texture& texture = scene_.textures[source->texture];
+      const bool is_color = encoding == TextureEncoding::Srgb;
       found = index_.emplace(key, static_cast<std::uint32_t>(world_.textures.size())).first;
-      world_.textures.emplace_back(scene_.images[texture.image], texture, encoding);
+      world_.textures.emplace_back(scene_.images[texture.image], texture, encoding,
+                                   is_color ? scene_.color_space : RgbSpace::Rec709);
     }
     TextureUse result = *source;
     result.texture = found->second;
@@ -153,6 +155,9 @@ void tabulate_materials(const Scene& scene, World& world) {
   world.d65 = append_row(world, world.lanes.emission(world.lanes.d65()));
   world.inverse_wavelength = append_row(world, world.lanes.inverse_wavelength());
   world.uplift_abscissa = append_row(world, world.lanes.uplift_abscissa());
+  for (std::size_t i = 0; world.lanes.uplift() == Uplift::MallettYuksel && i < 3; ++i) {
+    world.uplift_basis[i] = append_row(world, world.lanes.uplift_basis(static_cast<int>(i)));
+  }
   for (const Material& material : scene.materials) {
     world.materials.push_back(tabulated(material, world, textures));
     if (material.emission && !material.emission->spectrum.id.empty()) {

@@ -38,7 +38,7 @@ int wrapped_index(int i, int size, TextureWrap wrap) {
 }  // namespace
 
 WorldTexture::WorldTexture(const TextureImage& image, const Texture& texture,
-                           TextureEncoding encoding)
+                           TextureEncoding encoding, RgbSpace space)
     : wrap_s_(texture.wrap_s), wrap_t_(texture.wrap_t), filter_(texture.filter) {
   static const std::array<float, 256> kDecoded = srgb_decode_table();
   const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
@@ -54,6 +54,10 @@ WorldTexture::WorldTexture(const TextureImage& image, const Texture& texture,
         texels_[i][c] = decode ? static_cast<float>(srgb_decode(code)) : code;
       }
     }
+  }
+  if (space != RgbSpace::Rec709) {
+    const glm::mat3 to_rec709(rgb_to_rec709(space));
+    for (Vec4f& texel : texels_) texel = Vec4f(to_rec709 * Vec3f(texel), texel.w);
   }
   levels_.push_back({image.width, image.height, 0});
   while (filter_ == TextureFilter::Linear &&

@@ -11,7 +11,7 @@ namespace abbe {
 
 /// How texels are to be understood.
 enum class TextureEncoding : std::uint8_t {
-  Srgb,  ///< RGB is sRGB encoded and is decoded to linear Rec.709; alpha is linear.
+  Srgb,  ///< RGB is encoded with sRGB's curve and becomes linear Rec.709; alpha is linear.
   Data,  ///< Plain numbers.
 };
 
@@ -20,7 +20,9 @@ enum class TextureEncoding : std::uint8_t {
 /// same colour in all modes.
 class WorldTexture {
  public:
-  WorldTexture(const TextureImage& image, const Texture& texture, TextureEncoding encoding);
+  /// Colours are those of `space`; beyond Rec.709 they have channels outside [0, 1].
+  WorldTexture(const TextureImage& image, const Texture& texture, TextureEncoding encoding,
+               RgbSpace space = RgbSpace::Rec709);
 
   /// Trilinear (or nearest) look-up. `footprint_uv` is the width of what is seen, in units of uv.
   /// Domain: any uv; not-a-number counts as 0.

@@ -196,8 +196,8 @@ World make_world(const Scene& scene, const WorldOptions& options, const Observer
                  const Spectrum& d65, Notes& notes) {
   const auto start = std::chrono::steady_clock::now();
   const std::vector<Spectrum> lamps = lamp_spectra(scene, d65);
-  World world(
-      LaneModel(options.mode, options.wavelengths, observer, d65, lamps, options.development));
+  World world(LaneModel(options.mode, options.wavelengths, observer, d65, lamps,
+                        options.development, options.uplift));
   world.xyz_weights = world.lanes.xyz_weights();
   world.importance = world.lanes.importance();
   if (scene.materials.size() > kMaxMaterials) {

@@ -161,8 +161,10 @@ struct World {
   CausticReport caustics;
   std::vector<WorldTexture> textures;
   RowId d65 = 0;  ///< Emission of D65 at 1 cd/m², for textured emission.
-  RowId uplift_abscissa =
-      0;  ///< s of each lane's wavelength, for textured colours (color/uplift.h).
+  /// For textured colours (color/uplift.h): s of each lane's wavelength, and the three curves of
+  /// Mallett and Yuksel where they are used.
+  RowId uplift_abscissa = 0;
+  std::array<RowId, 3> uplift_basis{};
 
   RowId inverse_wavelength = 0;  ///< 1/λ of each lane in nm⁻¹, for the phases of thin films.
 
@@ -180,6 +182,7 @@ struct WorldOptions {
   Mode mode = Mode::Spectral;
   WavelengthOptions wavelengths;
   DevelopmentOptions development = {};
+  Uplift uplift = Uplift::JakobHanika;
   CausticOptions caustics = {};
 };
 

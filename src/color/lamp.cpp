@@ -3,14 +3,11 @@
 #include <cmath>
 
 namespace abbe {
-namespace {
 
 Vec2d uv_1960_of_xyz(const Vec3d& xyz) {
   const double sum = xyz.x + 15.0 * xyz.y + 3.0 * xyz.z;
   return {4.0 * xyz.x / sum, 6.0 * xyz.y / sum};
 }
-
-}  // namespace
 
 Vec2d xy_of_xyz(const Vec3d& xyz) {
   const double sum = xyz.x + xyz.y + xyz.z;

@@ -13,6 +13,10 @@ namespace abbe {
 /// Errors: none; 0, 0 for black.
 Vec2d xy_of_xyz(const Vec3d& xyz);
 
+/// Chromaticity u, v of 1960, in which distances to the Planckian locus are measured.
+/// Domain: tristimulus values that are not all 0.
+Vec2d uv_1960_of_xyz(const Vec3d& xyz);
+
 /// The black body whose colour is nearest to a lamp's in the CIE 1960 u, v diagram.
 struct CorrelatedTemperature {
   double temperature_K = 0.0;

@@ -100,12 +100,10 @@ Dispersion formula_of(const AgfGlass& glass) {
     case 2:  // Sellmeier 1.
       return sellmeier_of(c, 3);
     case 3:  // Herzberger.
-      return tabulated_formula(
-          [&](double um) {
-            const double um2 = um * um, L = 1.0 / (um2 - 0.028);
-            return c[0] + c[1] * L + c[2] * L * L + um2 * (c[3] + um2 * (c[4] + um2 * c[5]));
-          },
-          glass.where);
+      return tabulated_formula([&](double um) {
+        const double um2 = um * um, L = 1.0 / (um2 - 0.028);
+        return c[0] + c[1] * L + c[2] * L * L + um2 * (c[3] + um2 * (c[4] + um2 * c[5]));
+      });
     case 4:  // Sellmeier 2: n² = 1 + A + B1 λ²/(λ² − λ1²) + B2/(λ² − λ2²).
       return RefractiveIndexInfoFormula4{{1.0 + c[0], c[1], 2.0, c[2], 2.0, c[3], 0.0, c[4], 2.0}};
     case 5:  // Conrady.

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "load/computed_spectra.h"
 #include "load/foreign_spectra.h"
 
 namespace abbe {
@@ -19,7 +20,9 @@ enum class FileFormat { None, Single, Agf };
 
 FileFormat format_of(const fs::path& file) {
   const std::string suffix = file.extension().string();
-  if (suffix == ".txt" || suffix == ".yml" || suffix == ".yaml") return FileFormat::Single;
+  if (suffix == ".txt" || suffix == ".csv" || suffix == ".yml" || suffix == ".yaml") {
+    return FileFormat::Single;
+  }
   return suffix == ".agf" || suffix == ".AGF" ? FileFormat::Agf : FileFormat::None;
 }
 
@@ -69,33 +72,59 @@ Catalogue::Catalogue(std::vector<std::filesystem::path> folders) : folders_(std:
     // A folder that is not there is no mistake: the standard ones are guesses.
     for (; !error && file != fs::recursive_directory_iterator(); file.increment(error)) {
       std::error_code status_error;
-      const FileFormat format = format_of(file->path());
-      if (format == FileFormat::None || !file->is_regular_file(status_error)) continue;
-      fs::path relative = file->path().lexically_relative(folder);
-      relative.replace_extension();
-      const std::string id = relative.generic_string();
-      if (format == FileFormat::Single) {
-        places_.emplace(id, Place{file->path(), ""});
-        continue;
-      }
-      const std::vector<std::uint8_t> bytes =
-          read_file(file->path(), file->path().string(), kLargestAgf);
-      const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-      for (const std::string& glass : names_in_agf(text)) {
-        places_.emplace(id + "/" + glass, Place{file->path(), glass});
+      if (!file->is_regular_file(status_error)) continue;
+      // What one file is must not keep all others from being found.
+      try {
+        add(file->path(), folder);
+      } catch (const Error& unreadable) {
+        notes_.warn("", std::string(unreadable.what()) + "; the file is left out");
       }
     }
   }
   for (const auto& [id, place] : places_) ids_.push_back(id);
 }
 
+void Catalogue::add(const fs::path& file, const fs::path& folder) {
+  const FileFormat format = format_of(file);
+  if (format == FileFormat::None) return;
+  fs::path relative = file.lexically_relative(folder);
+  relative.replace_extension();
+  const std::string id = relative.generic_string();
+  if (format == FileFormat::Single) {
+    places_.emplace(id, Place{file, ""});
+    return;
+  }
+  const std::vector<std::uint8_t> bytes = read_file(file, file.string(), kLargestAgf);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::vector<std::string> glasses = names_in_agf(text);
+  if (glasses.empty()) throw_input_error(file.string(), "no glass", "lines NM of an AGF catalogue");
+  for (const std::string& glass : glasses) {
+    places_.emplace(id + "/" + glass, Place{file, glass});
+  }
+}
+
+std::optional<std::string> Catalogue::default_of(const std::string& id_or_tail) const {
+  for (const std::string& id : ids_) {
+    const std::size_t dash = id.find('-', id.rfind('/') + 1);
+    if (dash == std::string::npos) continue;
+    const std::string family = id.substr(0, dash);
+    if (family != id_or_tail && !ends_with_component(family, id_or_tail)) continue;
+    const Place& place = places_.at(id);
+    if (read_spectrum_file(place.file, id, place.glass).is_default) return id;
+  }
+  return std::nullopt;
+}
+
 std::string Catalogue::resolve(const std::string& id_or_tail, const std::string& where) const {
-  if (places_.contains(id_or_tail)) return id_or_tail;
+  if (places_.contains(id_or_tail) || is_computed_id(id_or_tail, where)) return id_or_tail;
   std::vector<std::string> candidates;
   for (const std::string& id : ids_) {
     if (ends_with_component(id, id_or_tail)) candidates.push_back(id);
   }
   if (candidates.size() == 1) return candidates.front();
+  if (candidates.empty()) {
+    if (const auto chosen = default_of(id_or_tail)) return *chosen;
+  }
   if (candidates.empty()) {
     throw_input_error(where, "spectrum \"" + id_or_tail + "\"",
                       "an id of the catalogue, of which these are nearest",
@@ -107,6 +136,7 @@ std::string Catalogue::resolve(const std::string& id_or_tail, const std::string&
 
 CatalogueEntry Catalogue::entry(const std::string& id_or_tail, const std::string& where) const {
   const std::string id = resolve(id_or_tail, where);
+  if (!places_.contains(id)) return computed_entry(id, *this);
   const Place& place = places_.at(id);
   return read_spectrum_file(place.file, id, place.glass);
 }
@@ -125,6 +155,17 @@ Spectrum Catalogue::illuminant(const std::string& id) const {
     throw_input_error(found.id, "quantity " + found.quantity, "quantity emission");
   }
   return *found.spectrum;
+}
+
+bool is_spectrum_path(const std::string& name) {
+  const std::string suffix = fs::path(name.substr(0, name.find('#'))).extension().string();
+  const bool has_suffix =
+      suffix.size() >= 2 && std::all_of(suffix.begin() + 1, suffix.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+      });
+  return has_suffix || name.empty() || name.front() == '/' || name.starts_with("./") ||
+         name.find("..") != std::string::npos || name.find('\\') != std::string::npos ||
+         name.find(':') != std::string::npos;
 }
 
 }  // namespace abbe

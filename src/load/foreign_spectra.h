@@ -17,6 +17,17 @@ namespace abbe {
 CatalogueEntry read_refractiveindex_yaml(std::string_view text, const std::string& file,
                                          const std::string& id);
 
+/// What a plain table is when nothing says: its use decides.
+inline constexpr const char* kPlainTable = "table";
+
+/// A plain table: lines of a wavelength in nm and a value (comma, semicolon, tab or blank between;
+/// # starts a comment). A first line of words may name the quantity in its second column: emission,
+/// reflectance, transmittance or absorption (1/m); so may the first folder of the id.
+/// Errors: input Error with file and line, for values the quantity cannot have, falling or no
+///         wavelengths, and a table with none of them within 360 to 830 nm.
+CatalogueEntry read_csv_spectrum(std::string_view text, const std::string& file,
+                                 const std::string& id);
+
 /// Names of the glasses of a Zemax AGF catalogue, in its order. UTF-16 is understood.
 std::vector<std::string> names_in_agf(std::string_view text);
 

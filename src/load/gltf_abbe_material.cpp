@@ -7,6 +7,7 @@
 #include "load/gltf_check.h"
 #include "load/gltf_film.h"
 #include "load/gltf_materials.h"
+#include "load/range_notes.h"
 
 namespace abbe::gltf {
 namespace {
@@ -83,14 +84,18 @@ void read_dispersion(Document& document, const Fields& fields, Spectra& spectra,
     material.index_id = entry.id;
     // Measured with the glass; an `absorption` of the material replaces it.
     if (entry.absorption) material.absorption_per_m = *entry.absorption;
+    material.index_range_nm = Vec2d(entry.range_min_nm, entry.range_max_nm);
+    warn_of_range(entry, material.name, fields.where("glass"), document.notes());
     return;
   }
   if (const auto formula = fields.object("sellmeier")) {
     material.index = read_sellmeier(*formula);
     check_plausible(material.index, fields.where("sellmeier"));
+    warn_of_pole(material.index, material.name, fields.where("sellmeier"), document.notes());
   } else if (const auto cauchy = fields.object("cauchy")) {
     material.index = read_cauchy(*cauchy);
     check_plausible(material.index, fields.where("cauchy"));
+    warn_of_pole(material.index, material.name, fields.where("cauchy"), document.notes());
   } else if (const auto abbe = fields.object("abbe")) {
     abbe->only({"nd", "vd"});
     material.index =
@@ -98,7 +103,8 @@ void read_dispersion(Document& document, const Fields& fields, Spectra& spectra,
   }
 }
 
-Conductor read_conductor(Document& document, const Fields& extension, Spectra& spectra) {
+Conductor read_conductor(Document& document, const Fields& extension, const std::string& material,
+                         Spectra& spectra) {
   const Json& value = extension.at("conductor");
   const std::string pointer = extension.pointer("conductor");
   if (value.is_string()) {
@@ -107,7 +113,8 @@ Conductor read_conductor(Document& document, const Fields& extension, Spectra& s
       throw_input_error(document.where(pointer), fmt::format("{} ({})", entry.id, entry.quantity),
                         "the complex index of a metal");
     }
-    return {entry.id, *entry.n, *entry.k};
+    warn_of_range(entry, material, document.where(pointer), document.notes());
+    return {entry.id, *entry.n, *entry.k, Vec2d(entry.range_min_nm, entry.range_max_nm)};
   }
   const Fields fields(document, value, pointer);
   fields.only({"n", "k"});
@@ -141,7 +148,7 @@ void apply_abbe_material(Document& document, const Fields& extension, const Json
     if (!states_roughness) material.roughness = 0.0f;
   }
   if (extension.has("conductor")) {
-    material.conductor = read_conductor(document, extension, spectra);
+    material.conductor = read_conductor(document, extension, material.name, spectra);
     material.metallic = 1.0f;
     if (!states_roughness) material.roughness = 0.0f;
   }

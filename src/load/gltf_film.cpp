@@ -5,6 +5,7 @@
 #include "base/constants.h"
 #include "base/error.h"
 #include "load/gltf_check.h"
+#include "load/range_notes.h"
 
 namespace abbe::gltf {
 namespace {
@@ -19,7 +20,8 @@ std::optional<TextureUse> read_texture(const Fields& fields, const char* name, T
 }
 
 // An id or a file of a dielectric, or a curve written in the scene.
-void read_index(const Fields& film, Document& document, Spectra& spectra, ThinFilm& out) {
+void read_index(const Fields& film, Document& document, Spectra& spectra,
+                const std::string& material, ThinFilm& out) {
   const Json& value = film.at("ior");
   const std::string pointer = film.pointer("ior");
   out.index_id.clear();
@@ -33,6 +35,8 @@ void read_index(const Fields& film, Document& document, Spectra& spectra, ThinFi
     }
     out.index = *entry.dispersion;
     out.index_id = entry.id;
+    out.index_range_nm = Vec2d(entry.range_min_nm, entry.range_max_nm);
+    warn_of_range(entry, material, document.where(pointer), document.notes());
     return;
   }
   if (value.is_number()) {
@@ -83,7 +87,7 @@ void apply_abbe_film(const Fields& film, Document& document, Spectra& spectra, M
     }
     material.film = ThinFilm{};
   }
-  if (film.has("ior")) read_index(film, document, spectra, *material.film);
+  if (film.has("ior")) read_index(film, document, spectra, material.name, *material.film);
   if (film.has("thickness_nm")) {
     material.film->thickness_max_nm =
         static_cast<float>(film.required_number("thickness_nm", kThickness_nm));

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 
 #include "base/error.h"
+#include "load/foreign_spectra.h"
 #include "load/gltf_check.h"
 #include "load/gltf_fields.h"
 
@@ -15,7 +15,7 @@ namespace abbe::gltf {
 namespace {
 
 constexpr Range kWavelengths_nm{1.0, 1e6};
-// What a file in the catalogue's own format begins with; any other is a plain table.
+// What a file in the catalogue's own format begins with.
 constexpr std::string_view kCatalogueSignature = "abbe-spectrum";
 
 Range values_of(SpectrumUse use) {
@@ -44,6 +44,7 @@ const char* name_of(SpectrumUse use) {
 }
 
 bool matches(SpectrumUse use, const std::string& quantity) {
+  if (quantity == kPlainTable) return true;
   switch (use) {
     case SpectrumUse::Emission:
       return quantity == "emission";
@@ -60,77 +61,21 @@ OutsideTable outside_of(SpectrumUse use) {
   return use == SpectrumUse::Emission ? OutsideTable::Zero : OutsideTable::Clamp;
 }
 
-// Ids have no suffix; a name with one, or with the marks of a path, is a path.
-bool is_path(const std::string& name) {
-  const std::string suffix = std::filesystem::path(name).extension().string();
-  const bool has_suffix =
-      suffix.size() >= 2 && std::all_of(suffix.begin() + 1, suffix.end(), [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-      });
-  return has_suffix || name.empty() || name.front() == '/' || name.rfind("./", 0) == 0 ||
-         name.find("..") != std::string::npos || name.find('\\') != std::string::npos ||
-         name.find(':') != std::string::npos;
-}
-
-std::string_view next_token(std::string_view& line) {
-  constexpr std::string_view kBetween = " \t,;\r";
-  const std::size_t start = std::min(line.find_first_not_of(kBetween), line.size());
-  const std::size_t end = std::min(line.find_first_of(kBetween, start), line.size());
-  const std::string_view token = line.substr(start, end - start);
-  line.remove_prefix(end);
-  return token;
-}
-
-bool parse_number(std::string_view token, double& number) {
-  if (!token.empty() && token.front() == '+') token.remove_prefix(1);
-  const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), number);
-  return error == std::errc() && end == token.data() + token.size() && std::isfinite(number);
-}
-
 }  // namespace
-
-std::vector<std::pair<double, double>> parse_csv_spectrum(std::string_view text,
-                                                          const std::string& file) {
-  std::vector<std::pair<double, double>> rows;
-  bool may_be_header = true;
-  for (int number = 1; !text.empty(); ++number) {
-    const std::size_t end = text.find('\n');
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    line = line.substr(0, line.find('#'));
-    if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
-    const std::string whole(line);
-    double wavelength_nm = 0.0;
-    double value = 0.0;
-    const bool good =
-        parse_number(next_token(line), wavelength_nm) && parse_number(next_token(line), value);
-    if (!good && may_be_header) {
-      may_be_header = false;
-      continue;
-    }
-    may_be_header = false;
-    const std::string where = fmt::format("{}: line {}", file, number);
-    if (!good || !next_token(line).empty()) {
-      throw_input_error(where, "\"" + whole + "\"", "a wavelength in nm and a value");
-    }
-    rows.emplace_back(wavelength_nm, value);
-    if (rows.size() > 1 && rows[rows.size() - 2].first >= wavelength_nm) {
-      throw_input_error(
-          where, fmt::format("{} nm after {} nm", wavelength_nm, rows[rows.size() - 2].first),
-          "rising wavelengths");
-    }
-  }
-  if (rows.empty()) throw_input_error(file, "no row", "rows of a wavelength in nm and a value");
-  return rows;
-}
 
 CatalogueEntry Spectra::entry(const std::string& id_or_path, const std::string& pointer) {
   // One glass of an AGF catalogue is written FILE.agf#GLASS.
   const std::size_t hash = std::min(id_or_path.find('#'), id_or_path.size());
   const std::string path = id_or_path.substr(0, hash);
-  if (!is_path(path)) return catalogue_.entry(id_or_path, document_.where(pointer));
+  if (!is_spectrum_path(path)) return catalogue_.entry(id_or_path, document_.where(pointer));
   const std::filesystem::path file = document_.resolve_path(path, pointer);
-  document_.read_resolved(file, pointer);  // Into the hash, and checked to be a regular file.
+  // Into the hash, and checked to be a regular file.
+  const Bytes bytes = document_.read_resolved(file, pointer);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string suffix = file.extension().string();
+  const bool is_known = text.starts_with(kCatalogueSignature) || suffix == ".yml" ||
+                        suffix == ".yaml" || suffix == ".agf" || suffix == ".AGF";
+  if (!is_known) return read_csv_spectrum(text, file.string(), id_or_path);
   const std::string glass = hash < id_or_path.size() ? id_or_path.substr(hash + 1) : "";
   return read_spectrum_file(file, id_or_path, glass);
 }
@@ -163,6 +108,15 @@ Spectrum Spectra::read_table(const Json& table, const std::string& pointer, Spec
   return Spectrum::tabulated(std::move(wavelengths_nm), std::move(values), outside_of(use));
 }
 
+Spectrum Spectra::as_used(const Spectrum& table, const std::string& id, SpectrumUse use) {
+  std::vector<double> wavelengths_nm, values;
+  for (const double nm : table.table_points_nm()) {
+    wavelengths_nm.push_back(nm);
+    values.push_back(limit(table.value(nm), values_of(use), id, document_.notes()));
+  }
+  return Spectrum::tabulated(std::move(wavelengths_nm), std::move(values), outside_of(use));
+}
+
 Spectrum Spectra::read_lines(const Json& lines, const std::string& pointer) {
   if (!lines.is_array() || lines.empty()) {
     throw_input_error(document_.where(pointer), describe(lines), "[[nm, strength], ...]");
@@ -188,27 +142,12 @@ Spectrum Spectra::read_lines(const Json& lines, const std::string& pointer) {
 
 NamedSpectrum Spectra::read_name(const std::string& name, const std::string& pointer,
                                  SpectrumUse use) {
-  if (is_path(name)) {
-    const std::filesystem::path file = document_.resolve_path(name, pointer);
-    const Bytes bytes = document_.read_resolved(file, pointer);
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    if (text.rfind(kCatalogueSignature, 0) != 0) {
-      std::vector<double> wavelengths_nm;
-      std::vector<double> values;
-      for (const auto& [wavelength_nm, value] : parse_csv_spectrum(text, file.string())) {
-        wavelengths_nm.push_back(
-            finite_number(Json(wavelength_nm), file.string(), kWavelengths_nm));
-        values.push_back(limit(value, values_of(use), file.string(), document_.notes()));
-      }
-      return {name,
-              Spectrum::tabulated(std::move(wavelengths_nm), std::move(values), outside_of(use))};
-    }
-  }
   const CatalogueEntry found = entry(name, pointer);
   if (!matches(use, found.quantity)) {
     throw_input_error(document_.where(pointer), fmt::format("{} ({})", found.id, found.quantity),
                       name_of(use));
   }
+  if (found.quantity == kPlainTable) return {found.id, as_used(*found.spectrum, found.id, use)};
   const std::optional<Spectrum>& curve = use == SpectrumUse::Index        ? found.n
                                          : use == SpectrumUse::Extinction ? found.k
                                                                           : found.spectrum;

@@ -29,7 +29,8 @@ class Spectra {
   /// Errors: input Error with a JSON pointer, or with file and line inside a file.
   NamedSpectrum read(const Json& value, const std::string& pointer, SpectrumUse use);
 
-  /// The catalogue entry of an id, or of a file of the same format in the scene's folder.
+  /// The catalogue entry of an id, or of a file in the scene's folder: of the catalogue's format,
+  /// of refractiveindex.info, a glass of a Zemax catalogue as FILE.agf#GLASS, or a plain table.
   CatalogueEntry entry(const std::string& id_or_path, const std::string& pointer);
 
   /// The illuminant of RGB white.
@@ -38,15 +39,11 @@ class Spectra {
  private:
   Spectrum read_table(const Json& table, const std::string& pointer, SpectrumUse use);
   Spectrum read_lines(const Json& lines, const std::string& pointer);
+  Spectrum as_used(const Spectrum& table, const std::string& id, SpectrumUse use);
   NamedSpectrum read_name(const std::string& name, const std::string& pointer, SpectrumUse use);
 
   Document& document_;
   const Catalogue& catalogue_;
 };
-
-/// Parses lines `nm,value` (comma, semicolon, tab or blank between; # starts a comment; one header
-/// line may stand first). Errors: input Error with file and line.
-std::vector<std::pair<double, double>> parse_csv_spectrum(std::string_view text,
-                                                          const std::string& file);
 
 }  // namespace abbe::gltf

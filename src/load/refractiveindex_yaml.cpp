@@ -84,40 +84,31 @@ Dispersion formula_of(int number, std::vector<double> c, const std::string& wher
     return formula;
   }
   if (number == 6) {
-    return tabulated_formula(
-        [&](double um) {
-          double n = 1.0 + c[0];
-          for (std::size_t i = 1; i + 1 < c.size(); i += 2)
-            n += c[i] / (c[i + 1] - 1.0 / (um * um));
-          return n;
-        },
-        where);
+    return tabulated_formula([&](double um) {
+      double n = 1.0 + c[0];
+      for (std::size_t i = 1; i + 1 < c.size(); i += 2) n += c[i] / (c[i + 1] - 1.0 / (um * um));
+      return n;
+    });
   }
   c.resize(6, 0.0);
   if (number == 7) {
-    return tabulated_formula(
-        [&](double um) {
-          const double um2 = um * um, L = 1.0 / (um2 - 0.028);
-          return c[0] + c[1] * L + c[2] * L * L + um2 * (c[3] + um2 * (c[4] + um2 * c[5]));
-        },
-        where);
+    return tabulated_formula([&](double um) {
+      const double um2 = um * um, L = 1.0 / (um2 - 0.028);
+      return c[0] + c[1] * L + c[2] * L * L + um2 * (c[3] + um2 * (c[4] + um2 * c[5]));
+    });
   }
   if (number == 8) {
-    return tabulated_formula(
-        [&](double um) {
-          const double um2 = um * um;
-          const double q = c[0] + c[1] * um2 / (um2 - c[2]) + c[3] * um2;
-          return std::sqrt((1.0 + 2.0 * q) / (1.0 - q));
-        },
-        where);
+    return tabulated_formula([&](double um) {
+      const double um2 = um * um;
+      const double q = c[0] + c[1] * um2 / (um2 - c[2]) + c[3] * um2;
+      return std::sqrt((1.0 + 2.0 * q) / (1.0 - q));
+    });
   }
   if (number == 9) {
-    return tabulated_formula(
-        [&](double um) {
-          const double off = um - c[4];
-          return std::sqrt(c[0] + c[1] / (um * um - c[2]) + c[3] * off / (off * off + c[5]));
-        },
-        where);
+    return tabulated_formula([&](double um) {
+      const double off = um - c[4];
+      return std::sqrt(c[0] + c[1] / (um * um - c[2]) + c[3] * off / (off * off + c[5]));
+    });
   }
   throw_input_error(where, fmt::format("formula {}", number), "formula 1 to 9");
 }

@@ -23,9 +23,9 @@ constexpr const char* kSignature = "abbe-spectrum 1";
 
 const std::vector<std::string>& known_keys() {
   static const std::vector<std::string> keys{
-      "quantity", "unit", "wavelength", "name",    "source",      "doi", "licence",
-      "note",     "n_d",  "V_d",        "formula", "A",           "B",   "C_um",
-      "C_um2",    "c0",   "c",          "p",       "coefficients"};
+      "quantity", "unit",  "wavelength", "name",    "source",  "doi",         "licence",
+      "note",     "n_d",   "V_d",        "default", "formula", "A",           "B",
+      "C_um",     "C_um2", "c0",         "c",       "p",       "coefficients"};
   return keys;
 }
 
@@ -165,7 +165,7 @@ const std::map<std::string, std::vector<std::string>>& columns_by_quantity() {
   static const std::map<std::string, std::vector<std::string>> columns{
       {"observer", {"x y z"}},      {"emission", {"value", "strength"}}, {"reflectance", {"value"}},
       {"transmittance", {"value"}}, {"absorption", {"value"}},           {"index", {"n", "n k"}},
-      {"complex index", {"n k"}},
+      {"complex index", {"n k"}},   {"daylight component", {"value"}},
   };
   return columns;
 }
@@ -265,7 +265,9 @@ void check_values(const Parser& parser, const CatalogueEntry& entry) {
       const double value = parser.table()[column][row];
       const bool is_index_of_dielectric =
           entry.quantity == "index" && parser.columns()[column] == "n";
-      const double lowest = is_index_of_dielectric ? 1.0 : 0.0;
+      const double lowest = entry.quantity == "daylight component" ? -kInfinity
+                            : is_index_of_dielectric               ? 1.0
+                                                                   : 0.0;
       if (value < lowest) {
         parser.fail(parser.row_line(row), fmt::format("{}", value),
                     fmt::format("at least {}", lowest));
@@ -312,7 +314,14 @@ CatalogueEntry read_spectrum_file(const std::filesystem::path& file, const std::
   if (suffix == ".yml" || suffix == ".yaml") {
     return read_refractiveindex_yaml(text, file.string(), id);
   }
-  if (suffix == ".agf" || suffix == ".AGF") return read_agf_glass(text, file.string(), glass, id);
+  if (suffix == ".csv") return read_csv_spectrum(text, file.string(), id);
+  if (suffix == ".agf" || suffix == ".AGF") {
+    if (!glass.empty()) return read_agf_glass(text, file.string(), glass, id);
+    const std::vector<std::string> glasses = names_in_agf(text);
+    if (glasses.size() == 1) return read_agf_glass(text, file.string(), glasses.front(), id);
+    throw_input_error(file.string(), fmt::format("{} glasses", glasses.size()),
+                      "the name of one behind the file: FILE.agf#GLASS");
+  }
   const Parser parser(file, text);
 
   CatalogueEntry entry;
@@ -328,6 +337,12 @@ CatalogueEntry read_spectrum_file(const std::filesystem::path& file, const std::
   entry.licence = parser.required_text("licence");
   entry.doi = parser.text("doi");
   entry.note = parser.text("note");
+  if (parser.has("default")) {
+    entry.is_default = parser.text("default") == "yes";
+    if (!entry.is_default) {
+      parser.fail(parser.line_of("default"), "\"" + parser.text("default") + "\"", "yes");
+    }
+  }
   if (parser.has("n_d")) entry.n_d = parser.required_number("n_d");
   if (parser.has("V_d")) entry.V_d = parser.required_number("V_d");
 

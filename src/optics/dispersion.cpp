@@ -85,6 +85,22 @@ double abbe_number(const Dispersion& dispersion) {
   return (n_d - 1.0) / difference;
 }
 
+std::optional<double> breakdown_nm(const Dispersion& dispersion) {
+  // Those of one index, and KHR_materials_dispersion, which is limited by definition.
+  if (std::holds_alternative<ConstantIndex>(dispersion) ||
+      std::holds_alternative<AbbeNumber>(dispersion)) {
+    return std::nullopt;
+  }
+  constexpr double kStep_nm = 0.25, kJump = 0.5;
+  double before = refractive_index(dispersion, kRangeMin_nm);
+  for (double nm = kRangeMin_nm; nm <= kRangeMax_nm; nm += kStep_nm) {
+    const double n = refractive_index(dispersion, nm);
+    if (n <= kSmallestIndex || n >= kLargestIndex || std::abs(n - before) > kJump) return nm;
+    before = n;
+  }
+  return std::nullopt;
+}
+
 bool is_dispersive(const Dispersion& dispersion) {
   const double first = refractive_index(dispersion, kRangeMin_nm);
   for (double nm = kRangeMin_nm; nm <= kRangeMax_nm; nm += 5.0) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -60,6 +61,11 @@ double refractive_index(const Dispersion& dispersion, double wavelength_nm);
 
 /// V_d = (n_d − 1)/(n_F − n_C); infinity when the index does not depend on wavelength.
 double abbe_number(const Dispersion& dispersion);
+
+/// The first wavelength within 360 to 830 nm at which a formula gives no index: at a pole, or where
+/// n² is below 1. Nothing for one that holds throughout.
+/// Domain: poles so narrow that n is itself again 0.25 nm further on are overlooked.
+std::optional<double> breakdown_nm(const Dispersion& dispersion);
 
 /// Whether the index differs between wavelengths.
 bool is_dispersive(const Dispersion& dispersion);

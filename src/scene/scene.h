@@ -67,12 +67,14 @@ enum class AlphaMode : std::uint8_t { Opaque, Mask, Blend };
 struct Conductor {
   std::string id;
   Spectrum n, k;
+  std::optional<Vec2d> range_nm = {};  ///< Where a table of the catalogue was measured.
 };
 
 /// One lossless layer on a surface, seen by its interference colours.
 struct ThinFilm {
   Dispersion index = ConstantIndex{1.3};
   std::string index_id;                      ///< Id of a catalogue material, or empty.
+  std::optional<Vec2d> index_range_nm;       ///< Where that material's index is stated.
   float factor = 1.0f;                       ///< Share of the surface that the film covers.
   std::optional<TextureUse> factor_texture;  ///< R.
   /// The thickness; a texture's G mixes it from the minimum, without one it is the maximum.
@@ -115,8 +117,9 @@ struct Material {
   std::optional<TextureUse> transmission_texture;  ///< R.
   bool has_volume = false;  ///< A boundary between media; otherwise an infinitely thin sheet.
   Dispersion index = ConstantIndex{1.5};
-  bool index_is_infinite = false;  ///< KHR ior 0: Fresnel 1 at all angles.
-  std::string index_id;            ///< Id of a catalogue glass, or empty.
+  bool index_is_infinite = false;       ///< KHR ior 0: Fresnel 1 at all angles.
+  std::string index_id;                 ///< Id of a catalogue glass, or empty.
+  std::optional<Vec2d> index_range_nm;  ///< Where that glass's index is stated.
   /// Beer–Lambert: transmittance attenuation_color^(x / distance); white for clear glass.
   Vec3d attenuation_color_rec709{1.0};
   double attenuation_distance_m = std::numeric_limits<double>::infinity();

@@ -38,10 +38,9 @@ class TexturePool {
     auto found = index_.find(key);
     if (found == index_.end()) {
       const Texture& texture = scene_.textures[source->texture];
-      const bool is_color = encoding == TextureEncoding::Srgb;
       found = index_.emplace(key, static_cast<std::uint32_t>(world_.textures.size())).first;
       world_.textures.emplace_back(scene_.images[texture.image], texture, encoding,
-                                   is_color ? scene_.color_space : RgbSpace::Rec709);
+                                   scene_.color_space);
     }
     TextureUse result = *source;
     result.texture = found->second;

@@ -55,7 +55,7 @@ WorldTexture::WorldTexture(const TextureImage& image, const Texture& texture,
       }
     }
   }
-  if (space != RgbSpace::Rec709) {
+  if (encoding == TextureEncoding::Srgb && space != RgbSpace::Rec709) {
     const glm::mat3 to_rec709(rgb_to_rec709(space));
     for (Vec4f& texel : texels_) texel = Vec4f(to_rec709 * Vec3f(texel), texel.w);
   }

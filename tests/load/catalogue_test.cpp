@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <stdexcept>
 #include <string>
 
@@ -279,6 +280,49 @@ TEST(SpectrumFile, broken_files_name_file_line_and_what_is_expected) {
               HasSubstr("none.txt"));
   EXPECT_THAT(message_of([&] { read_spectrum_file(folder.path(), "folder"); }),
               HasSubstr(folder.path().string()));
+}
+
+TEST(Catalogue, a_number_names_daylight_and_black_bodies) {
+  const CatalogueEntry daylight = catalogue().entry("daylight/6504", "test");
+  EXPECT_EQ(daylight.quantity, "emission");
+  const Spectrum D65 = catalogue().illuminant("D65");
+  for (double nm = 310.0; nm <= 830.0; nm += 10.0) {
+    EXPECT_NEAR(daylight.spectrum->value(nm), D65.value(nm), 0.06);  // M1 is a thousandth further
+  }
+  EXPECT_EQ(catalogue().entry("blackbody/2856", "test").spectrum->value(560.0),
+            Spectrum::blackbody(2856.0).value(560.0));
+  EXPECT_EQ(catalogue().resolve("daylight/5000.5", "test"), "daylight/5000.5");
+  EXPECT_THAT(message_of([] { catalogue().entry("daylight/3000", "test"); }),
+              HasSubstr("4000 to 25000 K"));
+  EXPECT_THAT(message_of([] { catalogue().entry("blackbody/-1", "test"); }),
+              HasSubstr("300 to 1e+06 K"));
+  EXPECT_THAT(message_of([] { catalogue().entry("daylight/warm", "test"); }),
+              HasSubstr("daylight/S0"));
+}
+
+TEST(Catalogue, each_metal_has_one_paper_that_its_name_alone_stands_for) {
+  EXPECT_EQ(catalogue().resolve("metal/Au", "test"), "metal/Au-Johnson");
+  EXPECT_EQ(catalogue().resolve("Cu", "test"), "metal/Cu-Johnson");
+  std::map<std::string, int> defaults;
+  for (const std::string& id : catalogue().ids()) {
+    if (!id.starts_with("metal/")) continue;
+    const CatalogueEntry entry = catalogue().entry(id, "test");
+    int& count = defaults[id.substr(0, id.find('-'))];
+    count += entry.is_default;
+  }
+  EXPECT_GE(defaults.size(), 18u);
+  for (const auto& [metal, count] : defaults) EXPECT_EQ(count, 1) << metal;
+}
+
+TEST(Catalogue, files_that_cannot_be_read_are_said_and_hide_no_others) {
+  const Folder folder;
+  folder.write("glasses.agf", "this is no catalogue of glasses\n");
+  folder.write("good.csv", "nm,reflectance\n400,0.1\n700,0.9\n");
+  const Catalogue mine({folder.path()});
+  EXPECT_THAT(mine.ids(), testing::ElementsAre("good"));
+  ASSERT_EQ(mine.notes().all().size(), 1u);
+  EXPECT_EQ(mine.notes().all().front().kind, NoteKind::Warning);
+  EXPECT_THAT(mine.notes().all().front().text, HasSubstr("glasses.agf"));
 }
 
 }  // namespace

@@ -216,5 +216,67 @@ TEST_F(GltfAbbe, shapes_that_enclose_nothing_are_errors) {
   }
 }
 
+TEST_F(GltfAbbe, glass_that_is_stated_for_a_part_of_the_visible_is_one_warning) {
+  write("half.yml",
+        "DATA:\n  - type: formula 5\n    wavelength_range: 0.5 0.65\n"
+        "    coefficients: 1.5 0.004 -2\n");
+  abbe_material()["dispersion"]["glass"] = "half.yml";
+  const Scene scene = load();
+  ASSERT_EQ(notes.all().size(), 1u) << notes_text();
+  EXPECT_EQ(notes.all().front().kind, NoteKind::Warning);
+  EXPECT_THAT(notes_text(), HasSubstr("half.yml is stated for 500-650 nm"));
+  EXPECT_THAT(notes_text(), HasSubstr("360-500 nm and 650-830 nm"));
+  EXPECT_THAT(notes_text(), HasSubstr(scene.materials[0].name));
+}
+
+TEST_F(GltfAbbe, glass_with_a_pole_is_one_warning) {
+  // λ² = 0.25 µm²: at 500 nm.
+  write("pole.yml",
+        "DATA:\n  - type: formula 2\n    wavelength_range: 0.3 1\n"
+        "    coefficients: 1.25 0.01 0.25\n");
+  abbe_material()["dispersion"]["glass"] = "pole.yml";
+  load();
+  ASSERT_EQ(notes.all().size(), 1u) << notes_text();
+  EXPECT_THAT(notes_text(), HasSubstr("breaks down at 4"));
+  EXPECT_THAT(notes_text(), HasSubstr("pole.yml"));
+}
+
+TEST_F(GltfAbbe, glass_of_a_zemax_catalogue_brings_its_absorption) {
+  write("mine.agf",
+        "NM GREY 1 0 1.5 99\nCD 2.25\nLD 0.3 1\nIT 0.4 0.5 10\nIT 0.7 0.25 10\n"
+        "NM OTHER 1 0 1.5 99\nCD 2.25\nLD 0.3 1\n");
+  abbe_material()["dispersion"]["glass"] = "mine.agf#GREY";
+  const Scene scene = load();
+  ASSERT_TRUE(scene.materials[0].absorption_per_m);
+  // −ln(0.5)/10 mm and −ln(0.25)/10 mm.
+  EXPECT_NEAR(scene.materials[0].absorption_per_m->value(400.0), 69.314718, 1e-6);
+  EXPECT_NEAR(scene.materials[0].absorption_per_m->value(700.0), 138.629436, 1e-6);
+  abbe_material()["dispersion"]["glass"] = "mine.agf";
+  EXPECT_THAT(error(), HasSubstr("FILE.agf#GLASS"));
+}
+
+TEST_F(GltfAbbe, ids_that_a_number_makes_are_lamps) {
+  EXPECT_EQ(light_with("daylight/5000").spectrum->id, "daylight/5000");
+  const Spectrum hot = light_with("blackbody/3000").spectrum->spectrum;
+  EXPECT_EQ(hot.value(600.0), light_with({{"blackbody", 3000}}).spectrum->spectrum.value(600.0));
+}
+
+TEST_F(GltfAbbe, colorspace_of_the_scene_turns_its_colours_into_rec709) {
+  document["scenes"][0]["extensions"]["ABBE_scene"] = {{"colorspace", "Linear Rec.2020"}};
+  material()["pbrMetallicRoughness"]["baseColorFactor"] = {0.0, 1.0, 0.0, 0.5};
+  material()["emissiveFactor"] = {1.0, 1.0, 1.0};
+  const Scene scene = load();
+  EXPECT_EQ(scene.color_space, RgbSpace::Rec2020);
+  const Vec4f base = scene.materials[0].base_color_rec709;
+  // ITU-R BT.2087's middle column, four digits.
+  EXPECT_NEAR(base.x, -0.5876, 5e-5);
+  EXPECT_NEAR(base.y, 1.1329, 5e-5);
+  EXPECT_NEAR(base.z, -0.1006, 5e-5);
+  EXPECT_EQ(base.w, 0.5f);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(scene.materials[0].emissive_rec709[c], 1.0f, 1e-6f);
+  document["scenes"][0]["extensions"]["ABBE_scene"] = {{"colorspace", "Rec.2020"}};
+  EXPECT_THAT(error(), HasSubstr("Linear Rec.2020"));
+}
+
 }  // namespace
 }  // namespace abbe

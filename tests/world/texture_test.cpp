@@ -33,6 +33,21 @@ TEST(WorldTexture, srgb_codes_are_decoded_and_data_are_not) {
   EXPECT_EQ(red_at(WorldTexture(image, {}, TextureEncoding::Data), 0.5f), 128.0f / 255.0f);
 }
 
+TEST(WorldTexture, colours_of_a_wider_gamut_become_rec709_and_data_stay) {
+  TextureImage image;
+  image.width = image.height = 1;
+  image.rgba8 = {0, 255, 0, 255};
+  const Vec4f color =
+      WorldTexture(image, {}, TextureEncoding::Srgb, RgbSpace::Rec2020).value({0.5f, 0.5f}, 0.0f);
+  // ITU-R BT.2087's middle column, four digits.
+  EXPECT_NEAR(color.x, -0.5876f, 5e-5f);
+  EXPECT_NEAR(color.y, 1.1329f, 5e-5f);
+  EXPECT_NEAR(color.z, -0.1006f, 5e-5f);
+  const Vec4f data =
+      WorldTexture(image, {}, TextureEncoding::Data, RgbSpace::Rec2020).value({0.5f, 0.5f}, 0.0f);
+  EXPECT_EQ(data, Vec4f(0.0f, 1.0f, 0.0f, 1.0f));
+}
+
 TEST(WorldTexture, texel_centres_have_the_texels_values) {
   const WorldTexture texture(row_of({0, 255, 51, 102}), {}, TextureEncoding::Data);
   // Interpolation at a centre has weights 1 and 0 up to the rounding of u·4 − 0.5.

@@ -1,11 +1,13 @@
 /// What was understood of a scene, an image or a spectrum, as data; printed as text or as JSON.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "base/notes.h"
 #include "cli/prepare.h"
+#include "color/daylight.h"
 #include "load/catalogue.h"
 #include "scene/scene.h"
 
@@ -14,10 +16,10 @@ namespace abbe {
 using Description = nlohmann::ordered_json;
 
 /// Cameras, lights, materials, meshes, shapes, textures, bounds, and what was ignored.
-Description describe_scene(const PreparedScene& prepared, const Catalogue& catalogue, Notes& notes);
+Description describe_scene(const PreparedScene& prepared, Notes& notes);
 
 /// One material: its kind, colour, glass or metal. Approximations it needs become notes.
-Description describe_material(const Material& material, const Catalogue& catalogue, Notes& notes);
+Description describe_material(const Material& material, Notes& notes);
 
 /// One light with its spectrum and units.
 Description describe_light(const Light& light);
@@ -38,6 +40,8 @@ struct SpectrumView {
   std::string lamp_id;  ///< Of the lamp under which a reflectance has its colour.
   Spectrum lamp;
   std::vector<double> at_nm;  ///< Wavelengths at which values are wanted as well.
+  DaylightComponents daylight;
+  std::array<Spectrum, 14> test_colours;  ///< Of CIE's colour rendering indices.
 };
 
 /// One file of the catalogue: source, range, and the numbers that suit its quantity.

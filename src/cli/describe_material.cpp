@@ -5,6 +5,7 @@
 #include "base/constants.h"
 #include "cli/describe.h"
 #include "integrate/microfacet.h"
+#include "load/range_notes.h"
 
 namespace abbe {
 namespace {
@@ -15,36 +16,26 @@ Description triple(const Vec3d& v) {
   return {v.x, v.y, v.z};
 }
 
-// What of 360–830 nm a stated range leaves out.
-std::string missing_text(double low_nm, double high_nm) {
-  std::string text;
-  if (low_nm > kRangeMin_nm) text = fmt::format("{:g}-{:g} nm", kRangeMin_nm, low_nm);
-  if (high_nm < kRangeMax_nm) {
-    if (!text.empty()) text += " and ";
-    text += fmt::format("{:g}-{:g} nm", high_nm, kRangeMax_nm);
-  }
-  return text;
-}
-
-void note_range(const std::string& id, const Catalogue& catalogue, const std::string& quantity,
-                const std::string& what_happens, Notes& notes) {
-  const CatalogueEntry entry = catalogue.entry(id, id);
-  const std::string missing = missing_text(entry.range_min_nm, entry.range_max_nm);
+// What is missing of the visible was a warning already.
+void note_range(const std::string& id, const std::optional<Vec2d>& stated_nm,
+                const std::string& quantity, const std::string& what_happens, Notes& notes) {
+  if (!stated_nm || misses_the_visible(*stated_nm)) return;
+  const std::string missing = missing_range_text(*stated_nm);
   if (missing.empty()) return;
-  notes.info(id, fmt::format("{} is stated for {:g}-{:g} nm; {} at {}", quantity,
-                             entry.range_min_nm, entry.range_max_nm, what_happens, missing));
+  notes.info(id, fmt::format("{} is stated for {:g}-{:g} nm; {} at {}", quantity, stated_nm->x,
+                             stated_nm->y, what_happens, missing));
 }
 
-void describe_index(const Material& material, const Catalogue& catalogue, Notes& notes,
-                    Description& out) {
-  if (!material.index_id.empty()) {
-    const CatalogueEntry entry = catalogue.entry(material.index_id, material.name);
-    out["glass"] = material.index_id;
-    out["stated_range_nm"] = fmt::format("{:g}-{:g}", entry.range_min_nm, entry.range_max_nm);
-    const bool is_table = std::holds_alternative<TabulatedIndex>(material.index);
-    note_range(material.index_id, catalogue, is_table ? "the table of n" : "the formula of n",
-               is_table ? "held constant" : "extrapolated", notes);
+void describe_index(const Material& material, Notes& notes, Description& out) {
+  if (!material.index_id.empty()) out["glass"] = material.index_id;
+  if (material.index_range_nm) {
+    out["stated_range_nm"] =
+        fmt::format("{:g}-{:g}", material.index_range_nm->x, material.index_range_nm->y);
   }
+  const bool is_table = std::holds_alternative<TabulatedIndex>(material.index);
+  note_range(material.index_id, material.index_range_nm,
+             is_table ? "the table of n" : "the formula of n",
+             is_table ? "held constant" : "extrapolated", notes);
   if (material.index_is_infinite) {
     out["n_d"] = "infinite";
     return;
@@ -73,12 +64,10 @@ void describe_emission(const Material& material, Description& out) {
   }
 }
 
-Description describe_film(const ThinFilm& film, const Catalogue& catalogue, Notes& notes) {
+Description describe_film(const ThinFilm& film, Notes& notes) {
   Description out;
-  if (!film.index_id.empty()) {
-    out["material"] = film.index_id;
-    note_range(film.index_id, catalogue, "the index of the film", "continued", notes);
-  }
+  if (!film.index_id.empty()) out["material"] = film.index_id;
+  note_range(film.index_id, film.index_range_nm, "the index of the film", "continued", notes);
   out["n_d"] = refractive_index(film.index, kLine_d_nm);
   if (film.thickness_texture) out["thickness_min_nm"] = short_decimal(film.thickness_min_nm);
   out[film.thickness_texture ? "thickness_max_nm" : "thickness_nm"] =
@@ -110,7 +99,7 @@ double short_decimal(float value) {
   return std::stod(fmt::format("{}", value));
 }
 
-Description describe_material(const Material& material, const Catalogue& catalogue, Notes& notes) {
+Description describe_material(const Material& material, Notes& notes) {
   Description out;
   const std::string name = material.name.empty() ? "(nameless)" : material.name;
   out["name"] = name;
@@ -127,13 +116,11 @@ Description describe_material(const Material& material, const Catalogue& catalog
     out["conductor"] = conductor.id.empty() ? "its own n and k" : conductor.id;
     out["n_d"] = conductor.n.value(kLine_d_nm);
     out["k_d"] = conductor.k.value(kLine_d_nm);
-    if (!conductor.id.empty()) {
-      note_range(conductor.id, catalogue, "the table of n and k", "held constant", notes);
-    }
+    note_range(conductor.id, conductor.range_nm, "the table of n and k", "held constant", notes);
   } else {
     if (material.metallic > 0.0f) out["metallic"] = short_decimal(material.metallic);
     if (material.metallic < 1.0f && !material.unlit) {
-      describe_index(material, catalogue, notes, out);
+      describe_index(material, notes, out);
     }
   }
   if (!material.unlit) out["roughness"] = short_decimal(material.roughness);
@@ -148,7 +135,7 @@ Description describe_material(const Material& material, const Catalogue& catalog
     out["attenuation_color_rec709"] = triple(material.attenuation_color_rec709);
     out["attenuation_distance_m"] = material.attenuation_distance_m;
   }
-  if (material.film) out["film"] = describe_film(*material.film, catalogue, notes);
+  if (material.film) out["film"] = describe_film(*material.film, notes);
   describe_emission(material, out);
   if (material.emissive_texture) out["emissive_texture"] = material.emissive_texture->texture;
   if (material.alpha_mode == AlphaMode::Mask)

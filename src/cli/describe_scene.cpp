@@ -116,8 +116,7 @@ Description describe_notes(const Notes& notes) {
 
 }  // namespace
 
-Description describe_scene(const PreparedScene& prepared, const Catalogue& catalogue,
-                           Notes& notes) {
+Description describe_scene(const PreparedScene& prepared, Notes& notes) {
   const Scene& scene = prepared.scene;
   Description out;
   if (!scene.name.empty()) out["scene"] = scene.name;
@@ -146,7 +145,7 @@ Description describe_scene(const PreparedScene& prepared, const Catalogue& catal
   }
   out["materials"] = Description::array();
   for (const Material& material : scene.materials) {
-    out["materials"].push_back(describe_material(material, catalogue, notes));
+    out["materials"].push_back(describe_material(material, notes));
   }
 
   // What light of directional lamps is followed through exactly, and what had to be left out.

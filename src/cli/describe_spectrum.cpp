@@ -6,6 +6,7 @@
 #include "cli/describe.h"
 #include "color/color.h"
 #include "color/lamp.h"
+#include "color/rendering.h"
 
 namespace abbe {
 namespace {
@@ -41,6 +42,7 @@ Description describe_value(const CatalogueEntry& entry, double wavelength_nm) {
   if (entry.dispersion) value["n"] = refractive_index(*entry.dispersion, wavelength_nm);
   if (!entry.dispersion && entry.n) value["n"] = entry.n->value(wavelength_nm);
   if (entry.k) value["k"] = entry.k->value(wavelength_nm);
+  if (entry.absorption) value["absorption_per_m"] = entry.absorption->value(wavelength_nm);
   return value;
 }
 
@@ -60,13 +62,23 @@ Description triple_of(const Vec3d& value) {
   return {value.x, value.y, value.z};
 }
 
-void describe_lamp(const Spectrum& lamp, const Observer& observer, Description& out) {
+void describe_rendering(const Spectrum& lamp, const SpectrumView& view, Description& out) {
+  const auto rendering = colour_rendering(lamp, view.observer, view.test_colours, view.daylight);
+  if (!rendering) return;
+  out["CRI_Ra"] = rendering->general;
+  out["CRI_R"] = Description::array();
+  for (const double index : rendering->special) out["CRI_R"].push_back(index);
+}
+
+void describe_lamp(const Spectrum& lamp, const SpectrumView& view, Description& out) {
+  const Observer& observer = view.observer;
   const Vec3d xyz = xyz_of(lamp, observer);
   if (!(xyz.y > 0.0)) return;
   out["white_xy"] = pair_of(xy_of_xyz(xyz));
   if (const auto nearest = correlated_temperature(xyz, observer)) {
     out["CCT_K"] = nearest->temperature_K;
     out["Duv"] = nearest->duv;
+    describe_rendering(lamp, view, out);
   }
   if (lamp.lines().empty()) return;
   out["lines"] = Description::array();
@@ -105,6 +117,7 @@ Description describe_spectrum(const CatalogueEntry& entry, const SpectrumView& v
   out["quantity"] = entry.quantity;
   out["unit"] = entry.unit;
   out["range_nm"] = {entry.range_min_nm, entry.range_max_nm};
+  if (entry.is_default) out["default"] = true;
   out["source"] = entry.source;
   if (!entry.doi.empty()) out["doi"] = entry.doi;
   out["licence"] = entry.licence;
@@ -116,9 +129,10 @@ Description describe_spectrum(const CatalogueEntry& entry, const SpectrumView& v
     if (entry.n_d) out["stated_n_d"] = *entry.n_d;
     if (entry.V_d) out["stated_V_d"] = *entry.V_d;
     out["n"] = describe_dispersion(*entry.dispersion);
+    if (const auto pole_nm = breakdown_nm(*entry.dispersion)) out["breaks_down_at_nm"] = *pole_nm;
   }
   if (entry.quantity == "emission") {
-    describe_lamp(*entry.spectrum, view.observer, out);
+    describe_lamp(*entry.spectrum, view, out);
   } else if (entry.quantity == "reflectance" || entry.quantity == "transmittance") {
     describe_colour(*entry.spectrum, view, out);
   }

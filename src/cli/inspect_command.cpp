@@ -62,7 +62,7 @@ ExitCode run_inspect(const InspectArguments& arguments) {
     Notes notes;
     const Catalogue catalogue = Catalogue::standard();
     const PreparedScene prepared = prepare_scene(arguments.scene, catalogue, notes);
-    description = describe_scene(prepared, catalogue, notes);
+    description = describe_scene(prepared, notes);
     if (!arguments.as_json) shorten_notes(description);
   }
   print(arguments.as_json ? json_text(description) : plain_text(description));

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "cli/parse.h"
+#include "load/foreign_spectra.h"
 #include "load/gltf.h"
 #include "scene/lamps.h"
 
@@ -38,7 +39,8 @@ std::string resolve_option(const std::string& id_or_tail, const Catalogue& catal
 NamedSpectrum lamp_of(const std::string& id_or_tail, const Catalogue& catalogue) {
   const std::string id = resolve_option(id_or_tail, catalogue);
   const CatalogueEntry entry = catalogue.entry(id, "--lamp");
-  if (entry.quantity != "emission" || !entry.spectrum) {
+  const bool is_lamp = entry.quantity == "emission" || entry.quantity == kPlainTable;
+  if (!is_lamp || !entry.spectrum) {
     throw_usage_error("--lamp", fmt::format("{} ({})", id, entry.quantity),
                       "a lamp: an emission of the catalogue, as illuminant/A");
   }
@@ -50,6 +52,7 @@ NamedSpectrum lamp_of(const std::string& id_or_tail, const Catalogue& catalogue)
 PreparedScene prepare_scene(const SceneOptions& options, const Catalogue& catalogue, Notes& notes) {
   LoadOptions load;
   if (!options.scene_name.empty()) load.scene_name = options.scene_name;
+  for (const Note& note : catalogue.notes().all()) notes.warn(note.where, note.text);
   PreparedScene prepared;
   prepared.scene = load_gltf(options.file, catalogue, load, notes);
   prepared.bounds = bounds_of(prepared.scene);

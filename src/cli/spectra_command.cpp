@@ -11,12 +11,14 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/describe.h"
 #include "cli/options.h"
 #include "cli/outputs.h"
 #include "cli/print.h"
 #include "cli/spectra_plot.h"
 #include "load/catalogue.h"
+#include "load/computed_spectra.h"
 
 namespace abbe {
 namespace {
@@ -65,17 +67,50 @@ void check_kind(const std::string& kind, const std::set<std::string>& kinds) {
                     {kinds.begin(), kinds.end()});
 }
 
+// What cannot be read is said and left out: one file must not hide all others.
+Catalogue opened_catalogue() {
+  Catalogue catalogue = Catalogue::standard();
+  Console(false).show(catalogue.notes());
+  return catalogue;
+}
+
+std::vector<CatalogueEntry> readable_entries(const Catalogue& catalogue) {
+  std::vector<CatalogueEntry> entries;
+  Notes notes;
+  for (const std::string& id : catalogue.ids()) {
+    try {
+      entries.push_back(catalogue.entry(id, id));
+    } catch (const Error& unreadable) {
+      notes.warn("", std::string(unreadable.what()) + "; the spectrum is left out");
+    }
+  }
+  Console(false).show(notes);
+  return entries;
+}
+
+// An id, a unique end of one, or a file.
+CatalogueEntry named_entry(const Catalogue& catalogue, const std::string& name,
+                           const std::string& where) {
+  const std::size_t hash = std::min(name.find('#'), name.size());
+  const std::filesystem::path file = name.substr(0, hash);
+  std::error_code ignored;
+  if (!is_spectrum_path(name) && !std::filesystem::exists(file, ignored)) {
+    return catalogue.entry(name, where);
+  }
+  return read_spectrum_file(file, name, hash < name.size() ? name.substr(hash + 1) : "");
+}
+
 ExitCode run_list(const SpectraArguments& arguments) {
   const Interval n_d_range = interval_of("--nd", arguments.n_d);
   const Interval V_d_range = interval_of("--vd", arguments.V_d);
   const bool wants_dispersion = !arguments.n_d.empty() || !arguments.V_d.empty();
   const std::string wanted = lower_case(arguments.text);
-  const Catalogue catalogue = Catalogue::standard();
+  const Catalogue catalogue = opened_catalogue();
   Description list = Description::array();
   std::string text;
   std::set<std::string> kinds;
-  for (const std::string& id : catalogue.ids()) {
-    const CatalogueEntry entry = catalogue.entry(id, id);
+  for (const CatalogueEntry& entry : readable_entries(catalogue)) {
+    const std::string& id = entry.id;
     const std::string kind = kind_of(entry);
     kinds.insert({kind, entry.quantity});
     if (!arguments.kind.empty() && arguments.kind != kind && arguments.kind != entry.quantity) {
@@ -89,6 +124,7 @@ ExitCode run_list(const SpectraArguments& arguments) {
     item["quantity"] = entry.quantity;
     item["name"] = entry.name;
     item["range_nm"] = {entry.range_min_nm, entry.range_max_nm};
+    if (entry.is_default) item["default"] = true;
     std::string line = fmt::format("{:<36} {:<14}", id, entry.quantity);
     if (entry.dispersion) {
       const double n_d = refractive_index(*entry.dispersion, kLine_d_nm);
@@ -100,6 +136,7 @@ ExitCode run_list(const SpectraArguments& arguments) {
     } else {
       line += " " + printable(entry.name);
     }
+    if (entry.is_default) line += "  (default)";
     text += line + "\n";
     list.push_back(std::move(item));
   }
@@ -127,14 +164,19 @@ std::vector<double> wavelengths_of(const std::string& text) {
 
 ExitCode run_show(const SpectraArguments& arguments) {
   const std::vector<double> at_nm = wavelengths_of(arguments.at);
-  const Catalogue catalogue = Catalogue::standard();
-  const CatalogueEntry lamp = catalogue.entry(arguments.lamp, "--lamp");
+  const Catalogue catalogue = opened_catalogue();
+  const CatalogueEntry lamp = named_entry(catalogue, arguments.lamp, "--lamp");
   if (lamp.quantity != "emission") {
     throw_usage_error("--lamp", fmt::format("{} ({})", lamp.id, lamp.quantity), "a lamp");
   }
-  const SpectrumView view{catalogue.observer(), lamp.id, *lamp.spectrum, at_nm};
+  SpectrumView view{catalogue.observer(),           lamp.id, *lamp.spectrum, at_nm,
+                    daylight_components(catalogue), {}};
+  for (std::size_t i = 0; i < view.test_colours.size(); ++i) {
+    const std::string id = fmt::format("reflectance/cri/TCS{:02}", i + 1);
+    view.test_colours[i] = catalogue.entry(id, id).spectrum.value();
+  }
   const Description description =
-      describe_spectrum(catalogue.entry(arguments.id, "abbe spectra show"), view);
+      describe_spectrum(named_entry(catalogue, arguments.id, "abbe spectra show"), view);
   print(arguments.as_json ? json_text(description) : plain_text(description));
   return ExitCode::Done;
 }
@@ -144,7 +186,7 @@ std::vector<CatalogueEntry> entries_to_plot(const SpectraArguments& arguments,
                                             const Catalogue& catalogue) {
   std::vector<CatalogueEntry> entries;
   for (const std::string& name : arguments.names) {
-    entries.push_back(catalogue.entry(name, "abbe spectra plot"));
+    entries.push_back(named_entry(catalogue, name, "abbe spectra plot"));
   }
   if (!entries.empty()) return entries;
   if (arguments.diagram == "curves") {
@@ -158,8 +200,7 @@ std::vector<CatalogueEntry> entries_to_plot(const SpectraArguments& arguments,
     }
     return entries;
   }
-  for (const std::string& id : catalogue.ids()) {
-    CatalogueEntry entry = catalogue.entry(id, id);
+  for (CatalogueEntry& entry : readable_entries(catalogue)) {
     if (entry.dispersion && std::isfinite(abbe_number(*entry.dispersion))) {
       entries.push_back(std::move(entry));
     }
@@ -184,7 +225,7 @@ ExitCode run_plot(const SpectraArguments& arguments) {
     throw_usage_error("-o", "\"" + arguments.output + "\"", "a file that ends in .svg");
   }
   if (!arguments.output.empty()) check_writable(file);
-  const Catalogue catalogue = Catalogue::standard();
+  const Catalogue catalogue = opened_catalogue();
   const std::vector<CatalogueEntry> entries = entries_to_plot(arguments, catalogue);
   const std::string svg = arguments.diagram == "glass-map" ? plot_glass_map(entries)
                           : arguments.diagram == "chromaticity"

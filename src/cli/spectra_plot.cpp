@@ -13,6 +13,7 @@
 #include "color/lamp.h"
 #include "color/rgb_space.h"
 #include "color/spectrum_colours.h"
+#include "load/foreign_spectra.h"
 
 namespace abbe {
 namespace {
@@ -39,12 +40,13 @@ Vec3d encoded(const Vec3d& rgb_rec709) {
 }
 
 // What one axis can carry together.
-enum class Axis { Emission, Fraction, Absorption, Index, Observer };
+enum class Axis { Emission, Fraction, Absorption, Index, Observer, Value };
 
 Axis axis_of(const CatalogueEntry& entry) {
   if (entry.quantity == "emission") return Axis::Emission;
   if (entry.quantity == "absorption") return Axis::Absorption;
   if (entry.quantity == "observer") return Axis::Observer;
+  if (entry.quantity == kPlainTable || entry.quantity == "daylight component") return Axis::Value;
   return entry.quantity == "reflectance" || entry.quantity == "transmittance" ? Axis::Fraction
                                                                               : Axis::Index;
 }
@@ -59,6 +61,8 @@ const char* label_of(Axis axis) {
       return "Absorption in 1/m";
     case Axis::Observer:
       return "Colour matching functions";
+    case Axis::Value:
+      return "Value";
     default:
       return "Index of refraction n; k dashed";
   }
@@ -172,7 +176,7 @@ SvgAxis value_axis(Axis axis, const std::vector<Curve>& curves) {
   }
   const bool has_k =
       std::any_of(curves.begin(), curves.end(), [](const Curve& curve) { return curve.dashed; });
-  if (axis != Axis::Index || has_k) low = 0.0;
+  if (axis != Axis::Index || has_k) low = std::min(low, 0.0);
   // A constant still needs an axis with two ends.
   const double margin = std::max(0.05 * (high - low), 1e-3 * std::max(std::abs(high), 1e-3));
   return {label_of(axis), low == 0.0 ? 0.0 : low - margin, high + margin};

@@ -38,7 +38,8 @@ fs::path log_file(const fs::path& folder, const char* suffix) {
 
 }  // namespace
 
-Process::Process(const Arguments& arguments, const fs::path& folder)
+Process::Process(const Arguments& arguments, const fs::path& folder,
+                 const std::map<std::string, std::string>& environment)
     : out_file_(log_file(folder, ".out")), err_file_(log_file(folder, ".err")) {
   std::vector<std::string> words{ABBE_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -52,6 +53,7 @@ Process::Process(const Arguments& arguments, const fs::path& folder)
   redirect(err_file_, STDERR_FILENO);
   // What the caller has set for itself is not for the tests.
   for (const char* name : {"OCIO", "ABBE_SPECTRA_PATH"}) ::unsetenv(name);
+  for (const auto& [name, value] : environment) ::setenv(name.c_str(), value.c_str(), 1);
   if (::chdir(folder.c_str()) != 0) std::_Exit(126);
   ::execv(argv.front(), argv.data());
   std::_Exit(127);
@@ -109,7 +111,7 @@ ProgramTest::~ProgramTest() {
 }
 
 Outcome ProgramTest::abbe(const Arguments& arguments, double timeout_seconds) const {
-  return Process(arguments, folder_).wait(timeout_seconds);
+  return Process(arguments, folder_, environment_).wait(timeout_seconds);
 }
 
 nlohmann::json ProgramTest::parsed(const Arguments& arguments) const {

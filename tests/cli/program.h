@@ -5,6 +5,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -24,7 +25,8 @@ struct Outcome {
 /// A started program. Its stdout and stderr go to files in `folder`, which is its working folder.
 class Process {
  public:
-  Process(const Arguments& arguments, const std::filesystem::path& folder);
+  Process(const Arguments& arguments, const std::filesystem::path& folder,
+          const std::map<std::string, std::string>& environment = {});
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
@@ -46,6 +48,11 @@ class ProgramTest : public testing::Test {
   ProgramTest();
   ~ProgramTest() override;
 
+  /// A variable of the environment of all runs that follow.
+  void set_environment(const std::string& name, const std::string& value) {
+    environment_[name] = value;
+  }
+
   /// Runs `abbe` in the folder. A run of a minute hangs: the scenes here take a second.
   Outcome abbe(const Arguments& arguments, double timeout_seconds = 60.0) const;
   /// The same for a run that succeeds in silence and prints JSON.
@@ -59,6 +66,7 @@ class ProgramTest : public testing::Test {
 
  private:
   std::filesystem::path folder_;
+  std::map<std::string, std::string> environment_;
   mutable std::vector<std::string> inputs_;
 };
 

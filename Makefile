@@ -53,9 +53,11 @@ test-sanitize: deps-test ## Runs every test under the address and undefined-beha
 
 bench: deps-bench ## Runs the benchmarks: ratios, measured in one run, to out/bench*.json.
 	$(CONFIGURE) -DABBE_BUILD_TESTS=ON -DABBE_BUILD_BENCHMARKS=ON
-	cmake --build $(BUILD) --parallel $(JOBS) --target abbe_bench abbe_render_bench
+	cmake --build $(BUILD) --parallel $(JOBS) --target abbe_bench abbe_render_bench \
+	  abbe_uplift_bench
 	$(BUILD)/tests/bench/abbe_bench
 	$(BUILD)/tests/bench/abbe_render_bench --povray
+	$(BUILD)/tests/bench/abbe_uplift_bench
 
 bless: deps-test ## Renews golden images: make bless CASE=prism_spectral; prints the measured difference.
 	$(CONFIGURE) -DABBE_BUILD_TESTS=ON

@@ -114,6 +114,10 @@ struct ClosestSink {
 
   ClosestSink(const KdView& v, VisibilityMask m, HitPacket* h) : view(v), mask(m), hits(h) {}
 
+  // Whether the answers are known without a search.
+  HWY_INLINE bool answer_inside(const RayPacket& packet, std::size_t index) {
+    return view.is_visible(packet.inside, mask) && LeaveLonelySolid(view, packet, hits[index]);
+  }
   // What the lanes of a packet met before, if it is a part of one.
   HWY_INLINE const HitPacket* found(std::size_t index) const { return hits + index; }
   // Before the lanes of a packet are answered one part after the other.
@@ -140,6 +144,7 @@ struct AnySink {
 
   AnySink(const KdView& v, VisibilityMask m, std::uint32_t* o) : view(v), mask(m), occluded(o) {}
 
+  HWY_INLINE bool answer_inside(const RayPacket&, std::size_t) { return false; }
   HWY_INLINE const HitPacket* found(std::size_t) const { return nullptr; }
   HWY_INLINE void begin_parts(std::size_t) {}
   HWY_INLINE std::uint32_t finish(const PacketState& p) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "accel/kd_memory.h"
+#include "accel/query.h"
 #include "accel/shapes.h"
 
 namespace abbe {
@@ -60,10 +61,16 @@ struct KdView {
   const Plane* planes = nullptr;
   const VisibilityMask* masks = nullptr;  ///< Null when every primitive has the mask `any_mask`.
   VisibilityMask any_mask = 0;            ///< Bits that at least one primitive has.
+  const std::uint8_t* lonely_solids =
+      nullptr;  ///< Per solid, 1 where nothing else reaches into it.
   std::uint32_t triangle_count = 0;
   std::uint32_t ellipsoid_count = 0;
   Box3f bounds;
 
+  bool is_lonely_solid(std::uint32_t primitive) const {
+    return primitive != kNoPrimitive && primitive >= triangle_count &&
+           lonely_solids[primitive - triangle_count] != 0;
+  }
   bool is_visible(std::uint32_t primitive, VisibilityMask mask) const {
     return masks == nullptr || (masks[primitive] & mask) != 0;
   }

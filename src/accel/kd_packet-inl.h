@@ -383,6 +383,10 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
       std::uint32_t lanes = 0;
       while ((lanes = queue.take(index)) != 0) {
         const bool is_whole = lanes == (packets[index].active & 0xffffu);
+        if (is_whole && view.is_lonely_solid(packets[index].inside) &&
+            sink.answer_inside(packets[index], index)) {
+          continue;
+        }
         if (is_whole || hwy::PopCount(lanes) > kFewLanes) {
           StartPacket(view, packets[index], lanes, is_whole ? nullptr : sink.found(index), p);
           p.is_whole = is_whole;

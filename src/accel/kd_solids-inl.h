@@ -29,7 +29,13 @@ struct WideVec3 {
   WideV x, y, z;
 };
 
-HWY_INLINE WideVec3 LoadVec3(const float rows[3][kPacketLanes], std::size_t i) {
+// The rays of sixteen lanes, wherever they lie.
+struct LaneRays {
+  const float* origin[3];
+  const float* direction[3];
+};
+
+HWY_INLINE WideVec3 LoadVec3(const float* const rows[3], std::size_t i) {
   const WideD d;
   const HalfF f;
   return {hn::PromoteTo(d, hn::LoadU(f, rows[0] + i)), hn::PromoteTo(d, hn::LoadU(f, rows[1] + i)),
@@ -64,7 +70,7 @@ HWY_INLINE hn::Vec<HalfF> FirstRoot(WideV first, WideV second) {
 }
 
 // Distances to an ellipsoid for the lanes of the packet; infinity where it is not met.
-HWY_INLINE void EllipsoidLanes(const Ellipsoid& ellipsoid, const PacketState& p, float* t) {
+HWY_INLINE void EllipsoidLanes(const Ellipsoid& ellipsoid, const LaneRays& p, float* t) {
   const WideD d;
   const HalfF f;
   const Vec3d& offset = ellipsoid.world_to_unit_offset;
@@ -94,7 +100,7 @@ HWY_INLINE void EllipsoidLanes(const Ellipsoid& ellipsoid, const PacketState& p,
 }
 
 // The same for a polyhedron, with the face that was met.
-HWY_INLINE void PolyhedronLanes(const Plane* planes, std::uint32_t count, const PacketState& p,
+HWY_INLINE void PolyhedronLanes(const Plane* planes, std::uint32_t count, const LaneRays& p,
                                 float* t, float* face) {
   const WideD d;
   const HalfF f;
@@ -130,18 +136,53 @@ HWY_INLINE void PolyhedronLanes(const Plane* planes, std::uint32_t count, const 
   }
 }
 
+// Distances to a solid for all lanes, and the faces of a polyhedron.
+HWY_INLINE void SolidLanes(const KdView& view, std::uint32_t primitive, const LaneRays& rays,
+                           float* t, float* face) {
+  const std::uint32_t ellipsoid = primitive - view.triangle_count;
+  if (ellipsoid < view.ellipsoid_count) {
+    EllipsoidLanes(view.ellipsoids[ellipsoid], rays, t);
+  } else {
+    const ConvexPolyhedron& solid = view.polyhedra[ellipsoid - view.ellipsoid_count];
+    PolyhedronLanes(view.planes + solid.first_plane, solid.plane_count, rays, t, face);
+  }
+}
+
+// What rays inside a solid meet that nothing else reaches into: the solid. Returns false, with
+// nothing written, when a lane does not meet it: its start was not inside after all.
+HWY_INLINE bool LeaveLonelySolid(const KdView& view, const RayPacket& packet, HitPacket& hits) {
+  alignas(64) float ts[kPacketLanes];
+  alignas(64) float faces[kPacketLanes] = {};
+  const LaneRays rays{{packet.origin_x, packet.origin_y, packet.origin_z},
+                      {packet.direction_x, packet.direction_y, packet.direction_z}};
+  SolidLanes(view, packet.inside, rays, ts, faces);
+  const LaneF d;
+  const LaneU du;
+  std::uint32_t met = 0;
+  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    met |= BitsOf(d, hn::Lt(hn::Load(d, ts + i), hn::Load(d, packet.t_max + i)), i);
+  }
+  if ((packet.active & ~met & 0xffffu) != 0) return false;
+  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    const auto is_in = MaskOf(d, packet.active, i);
+    const auto is_in_u = hn::RebindMask(du, is_in);
+    hn::Store(hn::IfThenElse(is_in, hn::Load(d, ts + i), hn::Set(d, kInfinity)), d, hits.t + i);
+    hn::Store(hn::IfThenElseZero(is_in, hn::Load(d, faces + i)), d, hits.u + i);
+    hn::Store(hn::Zero(d), d, hits.v + i);
+    hn::Store(hn::IfThenElse(is_in_u, hn::Set(du, packet.inside), hn::Set(du, kNoPrimitive)), du,
+              hits.primitive + i);
+  }
+  return true;
+}
+
 // Tests a solid against the active lanes; returns those that it is the nearest hit of.
 HWY_INLINE std::uint32_t TestSolidLanes(const KdView& view, std::uint32_t primitive,
                                         PacketState& p) {
   alignas(64) float ts[kPacketLanes];
   alignas(64) float faces[kPacketLanes] = {};
-  const std::uint32_t ellipsoid = primitive - view.triangle_count;
-  if (ellipsoid < view.ellipsoid_count) {
-    EllipsoidLanes(view.ellipsoids[ellipsoid], p, ts);
-  } else {
-    const ConvexPolyhedron& solid = view.polyhedra[ellipsoid - view.ellipsoid_count];
-    PolyhedronLanes(view.planes + solid.first_plane, solid.plane_count, p, ts, faces);
-  }
+  const LaneRays rays{{p.origin[0], p.origin[1], p.origin[2]},
+                      {p.direction[0], p.direction[1], p.direction[2]}};
+  SolidLanes(view, primitive, rays, ts, faces);
   const LaneF d;
   const LaneU du;
   std::uint32_t found = 0;

@@ -8,6 +8,7 @@
 #include "accel/kd_kernels.h"
 #include "accel/kd_layout.h"
 #include "accel/kd_scalar.h"
+#include "accel/lonely_solids.h"
 
 namespace abbe {
 
@@ -17,6 +18,7 @@ struct KdTree::Data {
   std::vector<ConvexPolyhedron> polyhedra;
   std::vector<Plane> planes;
   std::vector<VisibilityMask> masks;
+  std::vector<std::uint8_t> lonely_solids;
   KdView view;
 
   bool can_hit(VisibilityMask mask) const {
@@ -75,6 +77,8 @@ KdTree KdTree::build(const ShapeSpans& shapes, const KdTreeConfig& config) {
   view.ellipsoids = data->ellipsoids.data();
   view.polyhedra = data->polyhedra.data();
   view.planes = data->planes.data();
+  data->lonely_solids = find_lonely_solids(shapes);
+  view.lonely_solids = data->lonely_solids.data();
   view.masks = masks.is_uniform ? nullptr : data->masks.data();
   view.any_mask = masks.any;
   view.triangle_count = static_cast<std::uint32_t>(shapes.triangles.size());

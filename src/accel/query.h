@@ -34,6 +34,9 @@ struct alignas(64) RayPacket {
   float t_max[kPacketLanes];
   std::uint32_t active = 0;
   bool common_origin = false;
+  /// A solid that all active lanes start in, if the caller knows one. The answers are the same, but
+  /// may be found without a search.
+  std::uint32_t inside = kNoPrimitive;
 };
 
 /// Writes one lane's ray; the packet's flags stay as they are.

@@ -117,6 +117,9 @@ class Branching {
     }
   }
 
+  /// Says which surface the calls that follow are about.
+  void begin_surface(std::uint32_t surface) { solid_ = world_.surface_solid[surface]; }
+
  private:
   float weight_of(const LaneArray& throughput, int set) const {
     const float* importance = world_.importance.data() + static_cast<std::size_t>(set) * stride_;
@@ -193,11 +196,13 @@ class Branching {
                  out + i);
     }
     if (fan.spread) {
+      bool all_inside = true;
       for (int i = 0; i < stride_; i += step) {
         const auto direction = Load3(d, directions, i);
         const auto outward = Load3(d, at.outward, i);
         const auto position = Load3(d, at.position, i);
         const auto inside = hn::Lt(Dot3(d, direction, outward), hn::Zero(d));
+        all_inside &= hn::AllFalse(d, hn::AndNot(inside, LanesFrom(d, fan.lanes, i)));
         const auto offset = hn::Load(d, at.offset_m.v + i);
         const auto signed_offset = hn::IfThenElse(inside, hn::Neg(offset), offset);
         const auto origin = Combine3(d, hn::Set(d, 1.0f), position, signed_offset, outward);
@@ -208,6 +213,7 @@ class Branching {
         hn::StoreU(direction.y, d, out + 5 * stride_ + i);
         hn::StoreU(direction.z, d, out + 6 * stride_ + i);
       }
+      if (all_inside) fan.inside = solid_;
     } else {
       const int lane = fan.lanes.front();
       const Vec3f outward = at.outward.get(lane);
@@ -238,7 +244,8 @@ class Branching {
   IntegratorScratch::Buffers& b_;
   const Shading& shading_;
   const int stride_;
-  LaneArray reflected_, refracted_;  ///< Throughputs of the children being made.
+  std::uint32_t solid_ = kNoPrimitive;  ///< Of the surface at hand, if it is an exact shape's.
+  LaneArray reflected_, refracted_;     ///< Throughputs of the children being made.
 };
 
 }  // namespace HWY_NAMESPACE

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "accel/query.h"
 #include "base/aligned.h"
 #include "base/constants.h"
 #include "math/vec.h"
@@ -117,6 +118,8 @@ struct Fan {
   FanOrigin first_turn = FanOrigin::Camera;  ///< Reflected or refracted at the first surface.
   bool spread = false;
   bool common_origin = false;
+  /// The exact shape that all its rays begin in, if that is known.
+  std::uint32_t inside = kNoPrimitive;
   MediumStack media;
   std::uint32_t parent_record = 0;  ///< For probes: 1 + number of the record that led here.
 };

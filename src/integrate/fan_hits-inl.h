@@ -151,6 +151,7 @@ class FanHits {
     std::fill(packet.t_max, packet.t_max + kPacketLanes, kInfinity);
     packet.active = fan.lanes.block16(block);
     packet.common_origin = fan.common_origin;
+    packet.inside = fan.inside;
   }
   // Geometry at the hits of `lanes`, primitive by primitive; most fans met only one.
   void find_surfaces(LaneMask left) {

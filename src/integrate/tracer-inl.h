@@ -224,6 +224,7 @@ class Tracer {
       FogAttenuate(d, stride_, world_.fog->extinction_per_m, at.distance_m, at.throughput);
     }
 
+    branching_.begin_surface(surface);
     recorder_.arrive(fan, lanes, surface, front, at);
     const std::uint32_t record_number = recorder_.last();
     if (material.alpha_mode != AlphaMode::Opaque) {

@@ -220,6 +220,10 @@ World make_world(const Scene& scene, const WorldOptions& options, const Observer
   }
   add_chains(scene, options.caustics, notes, world);
   const std::vector<VisibilityMask> masks = masks_of(world);
+  world.surface_solid.assign(world.surfaces.size(), kNoPrimitive);
+  for (std::size_t i = world.triangles.size(); i < world.primitive_surface.size(); ++i) {
+    world.surface_solid[world.primitive_surface[i]] = static_cast<std::uint32_t>(i);
+  }
   for (const VisibilityMask mask : masks) world.visibility_bits |= mask;
   world.tree = KdTree::build({.positions = world.positions,
                               .triangles = world.triangles,

@@ -133,6 +133,7 @@ struct World {
   std::vector<SurfaceMaterial> materials;
   std::vector<Surface> surfaces;
   std::vector<std::uint32_t> primitive_surface;  ///< Per primitive of the accelerator.
+  std::vector<std::uint32_t> surface_solid;  ///< The primitive of an exact shape, or kNoPrimitive.
 
   std::vector<Vec3f> positions;
   std::vector<Triangle> triangles;

@@ -170,6 +170,15 @@ const std::map<std::string, std::vector<std::string>>& columns_by_quantity() {
   return columns;
 }
 
+// What the values of each quantity may be counted in.
+const std::vector<std::string>& units_of(const std::string& quantity) {
+  static const std::vector<std::string> number{"1"}, per_metre{"1/m"}, relative{"relative"},
+      power{"relative", "W/(m2 sr nm)"};
+  if (quantity == "emission") return power;
+  if (quantity == "absorption") return per_metre;
+  return quantity == "daylight component" ? relative : number;
+}
+
 std::vector<std::string> names_of_quantities() {
   std::vector<std::string> names;
   for (const auto& [name, columns] : columns_by_quantity()) names.push_back(name);
@@ -239,6 +248,11 @@ std::vector<double> checked_wavelengths_nm(const Parser& parser, const Catalogue
   std::vector<double> wavelengths_nm = parser.table().front();
   for (double& wavelength : wavelengths_nm) wavelength *= nm_per_unit;
   if (wavelengths_nm.empty()) parser.fail(parser.columns_line(), "no rows", "at least one");
+  if (wavelengths_nm.back() < kRangeMin_nm) {
+    parser.fail(parser.line_of("wavelength"),
+                fmt::format("{:g} to {:g} nm", wavelengths_nm.front(), wavelengths_nm.back()),
+                "wavelengths within 360 to 830 nm, or um for the unit");
+  }
   for (std::size_t row = 1; row < wavelengths_nm.size(); ++row) {
     if (wavelengths_nm[row] <= wavelengths_nm[row - 1]) {
       parser.fail(parser.row_line(row),
@@ -332,6 +346,11 @@ CatalogueEntry read_spectrum_file(const std::filesystem::path& file, const std::
                 "a known quantity", names_of_quantities());
   }
   entry.unit = parser.required_text("unit");
+  const std::vector<std::string>& units = units_of(entry.quantity);
+  if (std::find(units.begin(), units.end(), entry.unit) == units.end()) {
+    parser.fail(parser.line_of("unit"), "unit \"" + entry.unit + "\"",
+                "the unit of a file of " + entry.quantity, units);
+  }
   entry.name = parser.required_text("name");
   entry.source = parser.required_text("source");
   entry.licence = parser.required_text("licence");

@@ -62,7 +62,10 @@ class Folder {
 };
 
 std::string header(const std::string& quantity, const std::string& range) {
-  return "abbe-spectrum 1\nquantity: " + quantity + "\nunit: 1\nwavelength: " + range +
+  const std::string unit = quantity == "absorption" ? "1/m"
+                           : quantity == "emission" ? "relative"
+                                                    : "1";
+  return "abbe-spectrum 1\nquantity: " + quantity + "\nunit: " + unit + "\nwavelength: " + range +
          "\nname: a test\nsource: a book (1900)\nlicence: CC0-1.0\n";
 }
 
@@ -241,6 +244,10 @@ TEST(SpectrumFile, broken_files_name_file_line_and_what_is_expected) {
       {"hello\n", "abbe-spectrum 1"},
       {"abbe-spectrum 1\nquantity: loudness\n", ":2: "},
       {"abbe-spectrum 1\nquantity: emission\n", "unit"},
+      {"abbe-spectrum 1\nquantity: reflectance\nunit: %\n", ":3: found unit \"%\""},
+      {"abbe-spectrum 1\nquantity: absorption\nunit: 1/cm\n", "1/m"},
+      {header("reflectance", "nm 0.4 0.7") + "columns: nm value\n0.4 1\n0.7 1\n",
+       "um for the unit"},
       {"abbe-spectrum 1\ncolour: red\n", "key \"colour\""},
       {"abbe-spectrum 1\nname: a\nname: b\n", ":3: "},
       {"abbe-spectrum 1\njust words\n", "key: value"},

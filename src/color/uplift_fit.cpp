@@ -174,11 +174,11 @@ class EdgeSums {
   std::vector<Vec3d> sums_;
 };
 
-// The optimal colour nearest to one that no reflectance has: 1 in a band and 0 outside, or the
-// other way round. First on a coarse grid of edges, then each edge on its own in ever smaller
-// steps.
-NormalisedSigmoid nearest_optimal(const Vec3d& rgb_rec709,
-                                  const ReflectanceProjection& projection) {
+}  // namespace
+
+// First on a coarse grid of edges, then both in ever smaller steps.
+NormalisedSigmoid nearest_optimal_colour(const Vec3d& rgb_rec709,
+                                         const ReflectanceProjection& projection) {
   const EdgeSums sums(projection);
   const Vec3d target = lab_of(rgb_rec709);
   double edge[2] = {0.0, 0.0}, error = 1e30;
@@ -194,7 +194,7 @@ NormalisedSigmoid nearest_optimal(const Vec3d& rgb_rec709,
     is_gap = gap;
     return true;
   };
-  constexpr double kCoarse = 12.0, kFine = 1.0 / 64.0;
+  constexpr double kCoarse = 20.0, kFine = 1.0 / 64.0;
   for (double from = 0.0; from < sums.size(); from += kCoarse) {
     for (double to = from + kCoarse; to < sums.size() + kCoarse; to += kCoarse) {
       for (const bool gap : {false, true}) try_edges(from, to, gap);
@@ -218,13 +218,11 @@ NormalisedSigmoid nearest_optimal(const Vec3d& rgb_rec709,
   return {sign * k * Vec3d(1.0, -(s0 + s1), s0 * s1)};
 }
 
-double squared_miss(const NormalisedSigmoid& sigmoid, const Vec3d& rgb_rec709,
-                    const ReflectanceProjection& projection) {
+double squared_miss_in_lab(const NormalisedSigmoid& sigmoid, const Vec3d& rgb_rec709,
+                           const ReflectanceProjection& projection) {
   const Vec3d residual = lab_of(projection.rec709(sigmoid)) - lab_of(rgb_rec709);
   return glm::dot(residual, residual);
 }
-
-}  // namespace
 
 NormalisedSigmoid fit_reflectance(const Vec3d& rgb_rec709,
                                   const ReflectanceProjection& projection) {
@@ -239,11 +237,10 @@ NormalisedSigmoid fit_reflectance(const Vec3d& rgb_rec709,
     const double t = static_cast<double>(step) / kSteps;
     sigmoid = fit_reflectance(t * rgb_rec709 + (1.0 - t) * Vec3d(grey), projection, sigmoid);
   }
-  const double miss = squared_miss(sigmoid, rgb_rec709, projection);
-  constexpr double kMissed = 0.01;  // In L*a*b*: such a colour is impossible, or nearly so.
-  if (miss < kMissed * kMissed) return sigmoid;
-  const NormalisedSigmoid optimal = nearest_optimal(rgb_rec709, projection);
-  return squared_miss(optimal, rgb_rec709, projection) < miss ? optimal : sigmoid;
+  const double miss = squared_miss_in_lab(sigmoid, rgb_rec709, projection);
+  if (miss < kMissedInLab * kMissedInLab) return sigmoid;
+  const NormalisedSigmoid optimal = nearest_optimal_colour(rgb_rec709, projection);
+  return squared_miss_in_lab(optimal, rgb_rec709, projection) < miss ? optimal : sigmoid;
 }
 
 }  // namespace abbe

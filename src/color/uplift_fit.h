@@ -36,6 +36,17 @@ NormalisedSigmoid constant_reflectance(double value);
 NormalisedSigmoid fit_reflectance(const Vec3d& rgb_rec709, const ReflectanceProjection& projection,
                                   const NormalisedSigmoid& start);
 
+/// The nearest in L*a*b* of MacAdam's optimal colours, which are 1 in a band and 0 outside or the
+/// other way round: for a colour that no reflectance has, the nearest of all.
+NormalisedSigmoid nearest_optimal_colour(const Vec3d& rgb_rec709,
+                                         const ReflectanceProjection& projection);
+
+/// Squared distance in L*a*b* of a reflectance's colour, and the distance from which on a fit has
+/// missed: such a colour is impossible, or nearly so.
+double squared_miss_in_lab(const NormalisedSigmoid& reflectance, const Vec3d& rgb_rec709,
+                           const ReflectanceProjection& projection);
+inline constexpr double kMissedInLab = 0.01;
+
 /// The same from the grey of the colour's luminance, in steps where one stride does not arrive.
 NormalisedSigmoid fit_reflectance(const Vec3d& rgb_rec709, const ReflectanceProjection& projection);
 

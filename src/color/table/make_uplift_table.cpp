@@ -109,7 +109,15 @@ void fill_column(std::size_t largest, std::size_t j, std::size_t k, const Mat3d&
   const NormalisedSigmoid first = fit_reflectance(color_at(middle), projection);
   store(middle, first);
   NormalisedSigmoid last = first;
-  for (std::size_t i = middle + 1; i < kUpliftNodes; ++i) store(i, last = fit_from(i, last));
+  bool is_impossible = false;
+  for (std::size_t i = middle + 1; i < kUpliftNodes; ++i) {
+    const Vec3d color = color_at(i);
+    // What is too bright to exist stays so when it becomes brighter still.
+    last = is_impossible ? nearest_optimal_colour(color, projection) : fit_from(i, last);
+    is_impossible =
+        is_impossible || squared_miss_in_lab(last, color, projection) > kMissedInLab * kMissedInLab;
+    store(i, last);
+  }
   last = first;
   for (std::size_t i = middle; i-- > 0;) store(i, last = fit_from(i, last));
 }

@@ -60,10 +60,11 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
   out["abbe:mode"] = mode_name(settings.mode);
 
   out["abbe:illuminant"] = illuminant_text(prepared.scene);
-  out["abbe:uplift"] = settings.mode == Mode::Spectral
-                           ? fmt::format("{}, {}", uplift_title(settings.uplift),
-                                         primaries_of(prepared.scene.color_space).title)
-                           : std::string("none");
+  const bool uplifts =
+      settings.mode == Mode::Spectral && !settings.frozen.contains(Cause::Reflectances);
+  out["abbe:uplift"] = uplifts ? fmt::format("{}, {}", uplift_title(settings.uplift),
+                                             primaries_of(prepared.scene.color_space).title)
+                               : std::string("none");
   out["abbe:primaries"] = color_space;
   out["abbe:unit"] = std::string("D65 at 1 cd/m2 is 1, 1, 1");
 
@@ -85,6 +86,7 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
   out["abbe:chain"] = settings.inner_reflections;
   out["abbe:drop"] = settings.drop ? 1 : 0;
   out["abbe:seed"] = fmt::format("{}", settings.seed);
+  if (!settings.frozen.empty()) out["abbe:freeze"] = causes_text(settings.frozen);
   if (!settings.aovs.empty()) out["abbe:aov"] = fmt::format("{}", fmt::join(settings.aovs, ","));
 
   if (settings.bands || !settings.wavelengths.exact_nm.empty()) {

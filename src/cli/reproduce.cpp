@@ -48,7 +48,7 @@ struct Setting {
   const char* end;
 };
 
-constexpr std::array<Setting, 17> kSettings{{{"abbe:scene", "--scene", nullptr},
+constexpr std::array<Setting, 18> kSettings{{{"abbe:scene", "--scene", nullptr},
                                              {"abbe:mode", "--mode", nullptr},
                                              {"abbe:samples", "--spp", nullptr},
                                              {"abbe:wavelengths", "--wavelengths", nullptr},
@@ -63,6 +63,7 @@ constexpr std::array<Setting, 17> kSettings{{{"abbe:scene", "--scene", nullptr},
                                              {"abbe:chain", "--chain", nullptr},
                                              {"abbe:lamp", "--lamp", nullptr},
                                              {"abbe:aov", "--aov", nullptr},
+                                             {"abbe:freeze", "--freeze", nullptr},
                                              {"abbe:white", "--white", nullptr},
                                              {"abbe:adaptation", "--adaptation", " "}}};
 

@@ -23,7 +23,7 @@ template <class D>
 void FillColor(D d, const World& world, const ColorSample& color, const float* row, int set,
                LaneArray& out) {
   const int stride = world.lanes.lane_stride();
-  if (color.uses_lookup && world.lanes.quadrature() == nullptr) {
+  if (color.uses_lookup && color.lookup_is_rgb) {
     for (int lane = 0; lane < stride; ++lane) out[lane] = lane_value(world, color, row, set, lane);
     return;
   }
@@ -76,7 +76,7 @@ void FillMaterial(D d, const World& world, const CameraSample& sample, const Fan
       Splat(d, stride, 0.0f, at.emission);
     } else {
       FillColor(d, world, here.emission, emission_row, set, at.emission);
-      if (!here.emission.uses_row && world.lanes.quadrature() != nullptr) {
+      if (!here.emission.uses_row && !world.lanes.is_rgb(Cause::Lamps)) {
         const float* d65 = world.row(world.d65, set);
         for (int i = 0; i < stride; i += step) {
           hn::Store(hn::Mul(hn::Load(d, at.emission.v + i),
@@ -102,7 +102,7 @@ void FillMaterial(D d, const World& world, const CameraSample& sample, const Fan
     at.emission[lane] = 0.0f;
     if (!material.emission) continue;
     at.emission[lane] = lane_value(world, here.emission, emission_row, set, lane);
-    if (!here.emission.uses_row && world.lanes.quadrature() != nullptr) {
+    if (!here.emission.uses_row && !world.lanes.is_rgb(Cause::Lamps)) {
       at.emission[lane] *= here.emission_scale * d65[lane];
     }
   }

@@ -23,11 +23,14 @@ Vec4f base_modulation(const World& world, const SurfaceMaterial& material,
   return value;
 }
 
-// RGB modes, and a basis of Rec.709, know no colours beyond it.
-Vec3f lookup_of(const World& world, const Vec3f& rgb_rec709) {
-  const bool is_smooth =
-      world.lanes.quadrature() != nullptr && world.lanes.uplift() == Uplift::JakobHanika;
-  return is_smooth ? uplift_rec709_from_table(rgb_rec709) : glm::clamp(rgb_rec709, 0.0f, 1.0f);
+// Where lanes are channels, the triple is used as it is, otherwise as a reflectance. Channels, and
+// a basis of Rec.709, know no colours beyond it.
+void look_up(const World& world, const Vec3f& rgb_rec709, bool is_rgb, ColorSample& color) {
+  color.uses_lookup = true;
+  color.lookup_is_rgb = is_rgb;
+  const bool is_smooth = !is_rgb && world.lanes.uplift() == Uplift::JakobHanika;
+  color.lookup =
+      is_smooth ? uplift_rec709_from_table(rgb_rec709) : glm::clamp(rgb_rec709, 0.0f, 1.0f);
 }
 
 float coverage(const SurfaceMaterial& material, float alpha) {
@@ -59,8 +62,8 @@ MaterialSample material_sample(const World& world, const SurfaceMaterial& materi
     const Vec3f factor =
         material.base_color_is_spectrum ? Vec3f(1.0f) : Vec3f(material.base_color_rec709);
     sample.base_color.uses_row = material.base_color_is_spectrum;
-    sample.base_color.uses_lookup = true;
-    sample.base_color.lookup = lookup_of(world, factor * Vec3f(modulation));
+    look_up(world, factor * Vec3f(modulation), world.lanes.is_rgb(Cause::Reflectances),
+            sample.base_color);
   }
   sample.alpha = coverage(material, material.base_color_rec709.w * modulation.w);
 
@@ -92,18 +95,18 @@ MaterialSample material_sample(const World& world, const SurfaceMaterial& materi
     const Vec3f emitted_rec709 =
         material.emission_is_spectrum ? factor : material.emissive_rec709 * factor;
     sample.emission.uses_row = material.emission_is_spectrum;
-    sample.emission.uses_lookup = true;
-    if (world.lanes.quadrature() == nullptr) {
+    if (material.emission_is_spectrum) {
+      look_up(world, emitted_rec709, world.lanes.is_rgb(Cause::Reflectances), sample.emission);
+    } else if (world.lanes.is_rgb(Cause::Lamps)) {
+      sample.emission.uses_lookup = true;
+      sample.emission.lookup_is_rgb = true;
       sample.emission.lookup = glm::max(emitted_rec709, 0.0f);
-    } else if (material.emission_is_spectrum) {
-      sample.emission.lookup = lookup_of(world, emitted_rec709);
     } else {
       // The scale rule for unbounded colours: see uplift_emission.
       const float scale =
           2.0f * std::max({emitted_rec709.x, emitted_rec709.y, emitted_rec709.z, 0.0f});
       sample.emission_scale = scale;
-      sample.emission.lookup =
-          scale > 0.0f ? lookup_of(world, emitted_rec709 / scale) : Vec3f(0.0f);
+      look_up(world, scale > 0.0f ? emitted_rec709 / scale : Vec3f(0.0f), false, sample.emission);
     }
   }
   return sample;

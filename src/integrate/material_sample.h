@@ -1,7 +1,6 @@
 /// A material at one place: textures looked up, vertex colours applied.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
 #include "integrate/surface_point.h"
@@ -14,9 +13,10 @@ namespace abbe {
 struct ColorSample {
   bool uses_row = true;
   bool uses_lookup = false;
-  /// Coefficients of a smooth reflectance (color/uplift.h), or of Mallett and Yuksel's basis; in
-  /// RGB modes the linear Rec.709 itself.
+  /// Coefficients of a smooth reflectance (color/uplift.h), or of Mallett and Yuksel's basis, or
+  /// the linear Rec.709 itself.
   Vec3f lookup{0.0f};
+  bool lookup_is_rgb = false;
 };
 
 /// The value of a colour in one lane. `row` is the tabulated colour, for a ColorSample that uses
@@ -25,7 +25,7 @@ inline float lane_value(const World& world, const ColorSample& color, const floa
                         int lane) {
   const float value = color.uses_row ? row[lane] : 1.0f;
   if (!color.uses_lookup) return value;
-  if (world.lanes.quadrature() == nullptr) return value * color.lookup[std::min(lane, 2)];
+  if (color.lookup_is_rgb) return value * color.lookup[world.lanes.channel_of(lane)];
   if (world.lanes.uplift() == Uplift::MallettYuksel) {
     float sum = 0.0f;
     for (int i = 0; i < 3; ++i) {

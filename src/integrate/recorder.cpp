@@ -17,8 +17,7 @@ float angle_between(const Vec3f& a, const Vec3f& b) {
 }  // namespace
 
 float FanRecorder::wavelength_nm(const Fan& fan, int lane) const {
-  const WavelengthQuadrature* quadrature = world_.lanes.quadrature();
-  return quadrature != nullptr ? quadrature->wavelengths_nm(samples_[fan.sample].set)[lane] : 0.0f;
+  return world_.lanes.wavelength_nm(samples_[fan.sample].set, lane);
 }
 
 void FanRecorder::miss(const Fan& fan, const FanList& list, const LaneMask& missed) {

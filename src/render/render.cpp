@@ -145,7 +145,7 @@ struct Worker {
   std::vector<float> radiance;
   std::vector<FirstHit> first_hits;
   std::vector<float> light_parts, albedo;  ///< Per sample and lane, where they are asked for.
-  std::vector<float> bands, reflectances, aovs;
+  std::vector<float> bands, reflectances, aovs, folded;
 };
 
 class Renderer {
@@ -278,7 +278,7 @@ class Renderer {
     const std::span<const float> radiance =
         std::span<const float>(worker.radiance).subspan(i * stride, stride);
     const Vec3d xyz = responses_of(set, radiance);
-    fill_bands(set, radiance, worker.bands);
+    fill_bands(set, world_.lanes.folded(set, radiance, worker.folded), worker.bands);
     worker.aovs.clear();
     for (const std::string& group : settings_.aovs) {
       if (const auto part = light_part_named(group)) {
@@ -315,7 +315,7 @@ class Renderer {
 
   void fill_bands(int set, std::span<const float> lanes, std::vector<float>& bands) const {
     if (!settings_.wavelengths.exact_nm.empty()) {
-      bands.assign(lanes.begin(), lanes.begin() + world_.lanes.lane_count());
+      bands.assign(lanes.begin(), lanes.begin() + world_.lanes.quadrature()->lane_count());
       return;
     }
     if (!settings_.bands) return;

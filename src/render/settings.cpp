@@ -43,8 +43,19 @@ void check_wavelengths(const RenderSettings& settings) {
   if (!options.exact_nm.empty() && settings.bands) {
     throw_usage_error("--lines", "--bands beside it", "one of the two");
   }
-  if (settings.mode == Mode::Spectral) return;
+  if (settings.mode == Mode::Spectral) {
+    // The albedo of lamps in three channels has no spectrum of its own.
+    const bool has_albedo = std::find(settings.aovs.begin(), settings.aovs.end(),
+                                      "spectralAlbedo") != settings.aovs.end();
+    if (settings.frozen.has_channels() && has_albedo) {
+      throw_usage_error("--freeze", "--aov spectralAlbedo beside it", "one of the two");
+    }
+    return;
+  }
   const std::string mode = "--mode " + mode_name(settings.mode);
+  if (!settings.frozen.empty()) {
+    throw_usage_error("--freeze", mode, "--mode spectral: an RGB mode has all causes frozen");
+  }
   if (!options.exact_nm.empty()) {
     throw_usage_error("--lines", mode, "--mode spectral: an RGB mode has no wavelengths");
   }
@@ -69,7 +80,8 @@ WorldOptions world_options(const RenderSettings& settings) {
           .uplift = settings.uplift,
           .caustics = {.exact = settings.caustics,
                        .inner_reflections = settings.inner_reflections,
-                       .cutoff = settings.cutoff}};
+                       .cutoff = settings.cutoff},
+          .frozen = settings.frozen};
 }
 
 void check_settings(const RenderSettings& settings) {

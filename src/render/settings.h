@@ -32,6 +32,7 @@ struct RenderSettings {
   std::uint32_t seed = 0;
   std::vector<std::string> aovs;  ///< Groups of extra channels, of aov_names().
   int threads = 0;                ///< 0: all cores. Never shapes the image.
+  CauseSet frozen;                ///< Held as the mode `rgb` has them; spectral mode only.
   int cluster_lanes = 0;          ///< IntegratorSettings::cluster_lanes: benchmarks only.
 };
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "color/channel_basis.h"
 #include "color/color.h"
 #include "color/development.h"
 #include "color/uplift.h"
@@ -13,6 +14,7 @@
 #include "scene/scene.h"
 #include "spectrum/observer.h"
 #include "spectrum/wavelength_set.h"
+#include "world/causes.h"
 
 namespace abbe {
 
@@ -28,13 +30,26 @@ std::string mode_name(Mode mode);
 
 /// Turns quantities of a scene into rows: one value per lane for every wavelength set.
 /// Shape of every row returned: set_count × lane_stride.
+///
+/// Frozen causes. Where something is held per channel while something else acts per wavelength,
+/// every wavelength has three lanes, one per channel: lane 3·i + c is wavelength i in channel c.
+/// What acts has one value for the three, what is frozen one for all lanes of a channel, so that
+/// products of either kind are exact: over wavelengths they are those of the spectral mode, over
+/// channels those of the mode `rgb`. At the end the three are added, each by its share b_c of the
+/// wavelength (color/channel_basis.h), frozen lamps, 1 for D65, times D65. With nothing frozen that
+/// is the spectral mode, since the shares add up to 1; with everything frozen it is the mode `rgb`,
+/// since b_c has the colour of primary c under D65. Between the two, a triple stands for the
+/// spectrum r·b_R + g·b_G + b·b_B, a choice among its metamers.
 class LaneModel {
  public:
   /// `observer` is that of photometry, CIE 1931: luminances are its. `d65` in any scale; `lamps`
   /// are the scene's emission spectra (for the wavelength density).
+  /// Errors: a usage Error where causes are frozen and three lanes per wavelength are too many, or
+  ///         the film's observer has no channel basis.
   LaneModel(Mode mode, const WavelengthOptions& options, const Observer& observer,
             const Spectrum& d65, std::span<const Spectrum> lamps,
-            const DevelopmentOptions& development = {}, Uplift uplift = Uplift::JakobHanika);
+            const DevelopmentOptions& development = {}, Uplift uplift = Uplift::JakobHanika,
+            const CauseSet& frozen = {});
 
   Mode mode() const { return mode_; }
   Uplift uplift() const { return uplift_; }
@@ -49,12 +64,26 @@ class LaneModel {
   /// From what xyz_weights() sums up to linear Rec.709.
   const Mat3d& film_to_rec709() const { return film_to_rec709_; }
   const Spectrum& d65() const { return d65_; }  ///< Scaled to 1 cd/m².
-  /// Absent in the RGB modes.
+  /// Absent in the RGB modes. Its lanes are wavelengths, of which each may have several lanes here:
+  /// see folded().
   const WavelengthQuadrature* quadrature() const { return quadrature_ ? &*quadrature_ : nullptr; }
 
+  /// Whether lanes hold that kind of quantity as channels of linear Rec.709: in the RGB modes, and
+  /// where it is frozen.
+  bool is_rgb(Cause cause) const { return mode_ != Mode::Spectral || frozen_.contains(cause); }
+  /// The channel of a lane that holds channels: 0, 1, 2; padding counts as 2.
+  int channel_of(int lane) const;
+  /// The wavelength of a lane; 0 in RGB modes.
+  float wavelength_nm(int set, int lane) const;
+  /// Radiance per lane as radiance per wavelength, the lanes of the quadrature: the same values,
+  /// but for frozen causes. `folded` is room for them.
+  std::span<const float> folded(int set, std::span<const float> radiance,
+                                std::vector<float>& folded) const;
+
   /// A reflectance or transmittance: uplifted or sampled; in RGB modes projected under D65, and
-  /// RGB limited to the gamut of Rec.709, which is all that their lanes can tell.
-  std::vector<float> reflectance(const Reflectance& value) const;
+  /// RGB limited to the gamut of Rec.709, which is all that their lanes can tell. `cause` is what
+  /// it belongs to.
+  std::vector<float> reflectance(const Reflectance& value, Cause cause = Cause::Reflectances) const;
   /// A quantity that is no colour (n, k): sampled; in RGB modes at the C, d, F lines.
   std::vector<float> quantity(const Spectrum& value) const;
   /// Emission in W·m⁻²·sr⁻¹·nm⁻¹; in RGB modes linear Rec.709 in cd/m².
@@ -84,8 +113,18 @@ class LaneModel {
   std::vector<float> importance() const;
 
  private:
+  /// Per wavelength, on all its lanes; per channel, on all its lanes.
+  std::vector<float> of_wavelengths(std::vector<float> row) const;
+  std::vector<float> of_channels(const Vec3d& rgb) const;
+  std::vector<float> observer_weights(const Observer& observer) const;
+  void settle_primaries(const Observer& observer, std::vector<float>& weights) const;
+
   Mode mode_;
   Uplift uplift_;
+  CauseSet frozen_;
+  int copies_ = 1;                     ///< Lanes per wavelength.
+  std::optional<ChannelBasis> basis_;  ///< Where a wavelength has several lanes,
+  std::vector<float> shares_;          ///< and the share of every lane in it.
   int lane_count_ = 3;
   int lane_stride_ = 4;
   int set_count_ = 1;

@@ -79,7 +79,7 @@ SurfaceMaterial tabulated(const Material& source, World& world, TexturePool& tex
   }
   if (source.conductor) {
     material.metallic = 1.0f;
-    if (lanes.quadrature() != nullptr) {
+    if (!lanes.is_rgb(Cause::Fresnel)) {
       material.is_conductor = true;
       material.conductor_n = append_row(world, lanes.quantity(source.conductor->n));
       material.conductor_k = append_row(world, lanes.quantity(source.conductor->k));
@@ -88,7 +88,8 @@ SurfaceMaterial tabulated(const Material& source, World& world, TexturePool& tex
     material.base_color_is_spectrum = true;
     material.metallic_roughness_texture.reset();
   }
-  material.base_color = append_row(world, lanes.reflectance(base));
+  material.base_color = append_row(
+      world, lanes.reflectance(base, source.conductor ? Cause::Fresnel : Cause::Reflectances));
 
   material.index = append_row(world, lanes.index(source.index));
   if (source.transmission > 0.0f && !source.conductor) {

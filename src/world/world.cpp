@@ -197,7 +197,7 @@ World make_world(const Scene& scene, const WorldOptions& options, const Observer
   const auto start = std::chrono::steady_clock::now();
   const std::vector<Spectrum> lamps = lamp_spectra(scene, d65);
   World world(LaneModel(options.mode, options.wavelengths, observer, d65, lamps,
-                        options.development, options.uplift));
+                        options.development, options.uplift, options.frozen));
   world.xyz_weights = world.lanes.xyz_weights();
   world.importance = world.lanes.importance();
   if (scene.materials.size() > kMaxMaterials) {

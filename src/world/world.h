@@ -185,6 +185,7 @@ struct WorldOptions {
   DevelopmentOptions development = {};
   Uplift uplift = Uplift::JakobHanika;
   CausticOptions caustics = {};
+  CauseSet frozen = {};  ///< Spectral mode only.
 };
 
 /// Flattens, tabulates and builds. Degenerate and non-finite triangles that arise from an

@@ -10,8 +10,12 @@
 namespace abbe {
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
-  RenderSettings& settings = options.settings;
   command.add_option("SCENE", options.file, "glTF scene, .gltf or .glb")->required();
+  add_view_options(command, options);
+}
+
+void add_view_options(CLI::App& command, SceneOptions& options) {
+  RenderSettings& settings = options.settings;
   add_shown(command, "--scene", options.scene_name, "NAME",
             "scene of the file to take (default: the file's own)");
   add_shown(command, "--camera", options.camera_name, "NAME",

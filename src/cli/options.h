@@ -29,6 +29,8 @@ struct SceneOptions {
 };
 
 void add_scene_options(CLI::App& command, SceneOptions& options);
+/// The same without the scene's file.
+void add_view_options(CLI::App& command, SceneOptions& options);
 
 /// Turns texts into settings and checks them as far as possible without a scene: with a default
 /// size where none is given. Errors: a usage Error.

@@ -32,27 +32,6 @@ struct ProbeArguments {
   std::string svg;
 };
 
-struct Probed {
-  CameraSample sample;
-  std::vector<FanRecord> records;
-};
-
-Probed trace(const World& world, const Camera& camera, const RenderSettings& settings,
-             const Vec2i& pixel, std::optional<std::uint32_t> sample) {
-  Probed probed;
-  const std::optional<Vec2f> place = sample ? std::nullopt : std::optional(Vec2f(0.0f));
-  probed.sample = camera_sample(world, camera, settings, pixel, sample.value_or(0), place);
-  const IntegratorSettings integrator{.max_depth = settings.max_depth,
-                                      .cutoff = static_cast<float>(settings.cutoff),
-                                      .drop = settings.drop};
-  std::vector<float> radiance(static_cast<std::size_t>(world.lanes.lane_stride()));
-  IntegratorStats stats;
-  IntegratorScratch scratch;
-  trace_samples(world, integrator, std::span(&probed.sample, 1), radiance, {}, stats, scratch,
-                &probed.records);
-  return probed;
-}
-
 std::string camera_name(const PreparedScene& prepared) {
   if (prepared.has_default_camera) return "default";
   const std::string& name = prepared.chosen_camera().name;
@@ -115,7 +94,8 @@ ExitCode run_probe(ProbeArguments& arguments) {
   const World world =
       make_world(prepared.scene, world_options(settings), standards.observer, standards.d65, notes);
   console.show(notes);
-  const Probed probed = trace(world, prepared.chosen_camera(), settings, pixel, arguments.sample);
+  const Probed probed =
+      probe_pixel(world, prepared.chosen_camera(), settings, pixel, arguments.sample);
   const std::vector<ProbeNode> nodes =
       probe_tree(probed.records, prepared.scene, world, probed.sample);
   if (!arguments.svg.empty()) {

@@ -80,6 +80,22 @@ std::string side_of(const FanRecord& record, const SurfaceMaterial& material) {
 
 }  // namespace
 
+Probed probe_pixel(const World& world, const Camera& camera, const RenderSettings& settings,
+                   const Vec2i& pixel, std::optional<std::uint32_t> sample) {
+  Probed probed;
+  const std::optional<Vec2f> place = sample ? std::nullopt : std::optional(Vec2f(0.0f));
+  probed.sample = camera_sample(world, camera, settings, pixel, sample.value_or(0), place);
+  const IntegratorSettings integrator{.max_depth = settings.max_depth,
+                                      .cutoff = static_cast<float>(settings.cutoff),
+                                      .drop = settings.drop};
+  std::vector<float> radiance(static_cast<std::size_t>(world.lanes.lane_stride()));
+  IntegratorStats stats;
+  IntegratorScratch scratch;
+  trace_samples(world, integrator, std::span(&probed.sample, 1), radiance, {}, stats, scratch,
+                &probed.records);
+  return probed;
+}
+
 std::vector<ProbeNode> probe_tree(std::span<const FanRecord> records, const Scene& scene,
                                   const World& world, const CameraSample& sample) {
   std::vector<ProbeNode> nodes;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "integrate/integrator.h"
+#include "render/render.h"
 #include "scene/scene.h"
 #include "world/world.h"
 
@@ -48,6 +48,16 @@ struct ProbeNode {
   double direct_light = 0.0;
   std::vector<ProbeLane> lanes;
 };
+
+/// A camera sample, and what became of it.
+struct Probed {
+  CameraSample sample;
+  std::vector<FanRecord> records;
+};
+
+/// Follows one sample of a pixel as render() does, or, without a number, the pixel's centre.
+Probed probe_pixel(const World& world, const Camera& camera, const RenderSettings& settings,
+                   const Vec2i& pixel, std::optional<std::uint32_t> sample);
 
 /// Nodes in the order of their records. Shape: the camera's own nodes have no parent; there are
 /// several only where one camera ray met nothing to gather its lanes.

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace abbe {
 
@@ -15,7 +16,8 @@ std::string clock_text(double seconds) {
   return fmt::format("{}:{:02}", minutes, whole % 60);
 }
 
-ProgressLine::ProgressLine(bool is_live) : is_live_(is_live), start_(Clock::now()), last_(start_) {}
+ProgressLine::ProgressLine(bool is_live, std::string what)
+    : is_live_(is_live), what_(std::move(what)), start_(Clock::now()), last_(start_) {}
 
 ProgressLine::~ProgressLine() {
   wipe();
@@ -31,7 +33,7 @@ void ProgressLine::update(double fraction_done) {
   constexpr int kWidth = 30;
   const int filled = static_cast<int>(fraction_done * kWidth);
   const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
-  const std::string line = fmt::format("\rrendering [{}] {:3.0f} %  {} left\033[K", bar,
+  const std::string line = fmt::format("\r{} [{}] {:3.0f} %  {} left\033[K", what_, bar,
                                        std::floor(100.0 * fraction_done), clock_text(left));
   std::fwrite(line.data(), 1, line.size(), stderr);
   is_drawn_ = true;

@@ -1,11 +1,12 @@
 /// `abbe render`: a scene in, images out.
 
+#include "cli/render_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -13,16 +14,12 @@
 #include "base/file.h"
 #include "cli/commands.h"
 #include "cli/console.h"
-#include "cli/development_options.h"
 #include "cli/interrupt.h"
-#include "cli/options.h"
-#include "cli/outputs.h"
 #include "cli/parse.h"
 #include "cli/prepare.h"
 #include "cli/progress.h"
 #include "cli/provenance.h"
 #include "cli/stats.h"
-#include "image/exr.h"
 #include "image/raster.h"
 #include "render/render.h"
 
@@ -35,33 +32,13 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-struct RenderArguments {
-  SceneOptions scene;
-  DisplayArguments display;
-  DevelopmentArguments development;
-  std::vector<std::string> outputs;
-  std::string bands, crop, aovs, stats_file;
-  std::string color_space = kRenderSpace;
-  ExrOptions exr;
-  bool quiet = false;
-
-  std::vector<std::filesystem::path> output_files() const {
-    return {outputs.begin(), outputs.end()};
-  }
-  bool has_output(OutputKind kind) const {
-    for (const std::string& file : outputs) {
-      if (output_kind(file) == kind) return true;
-    }
-    return false;
-  }
-};
-
 // Everything that can be found wrong without reading the scene.
 void check_arguments(RenderArguments& arguments) {
   RenderSettings& settings = arguments.scene.settings;
   if (!arguments.bands.empty()) settings.bands = parse_bands(arguments.bands);
   if (!arguments.crop.empty()) settings.crop = parse_crop(arguments.crop);
   if (!arguments.aovs.empty()) settings.aovs = parse_names(arguments.aovs);
+  if (!arguments.freeze.empty()) settings.frozen = parse_causes(parse_names(arguments.freeze));
   resolve_settings(arguments.scene);
   resolve_display(arguments.display);
   check_exr_options(arguments.exr);
@@ -93,18 +70,6 @@ void write_images(const RenderArguments& arguments, Image& image) {
   }
 }
 
-void write_text(const std::filesystem::path& target, const std::string& text) {
-  write_atomically(target, [&](const std::filesystem::path& temporary) {
-    std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
-    stream << text;
-    stream.close();
-    if (!stream) {
-      throw_output_error(target.string(), "a file that could not be written to its end",
-                         "a place with room for it");
-    }
-  });
-}
-
 std::string summary(const RenderArguments& arguments, const RenderResult& result,
                     const RenderTimes& times) {
   std::string text = fmt::format("{} in {:.1f} s, {:.3g} million rays/s",
@@ -117,6 +82,8 @@ std::string summary(const RenderArguments& arguments, const RenderResult& result
   }
   return text;
 }
+
+}  // namespace
 
 ExitCode run_render(RenderArguments& arguments) {
   const Clock::time_point start = Clock::now();
@@ -173,35 +140,40 @@ ExitCode run_render(RenderArguments& arguments) {
   return result.complete ? ExitCode::Done : ExitCode::Interrupted;
 }
 
-}  // namespace
+void add_render_options(CLI::App& command, RenderArguments& arguments) {
+  RenderSettings& settings = arguments.scene.settings;
+  add_number(command, "--spp", settings.samples_per_pixel, "N",
+             fmt::format("camera samples per pixel (default: {})", settings.samples_per_pixel));
+  add_shown(command, "--bands", arguments.bands, "A:B:STEP",
+            "spectral channels beside RGB: bands [A + i STEP, A + (i+1) STEP), in nm");
+  add_shown(command, "--crop", arguments.crop, "X0,Y0,X1,Y1",
+            "render only these pixels, half-open");
+  add_shown(command, "--aov", arguments.aovs, "LIST",
+            fmt::format("extra channels: {}", fmt::join(aov_names(), ", ")));
+  add_shown(command, "--freeze", arguments.freeze, "LIST",
+            fmt::format("causes of spectral effects to hold as the mode rgb has them: {}, or all",
+                        fmt::join(cause_names(), ", ")));
+  add_number(command, "--threads", arguments.scene.threads, "N",
+             "threads to use (default: all cores)");
+  add_shown(command, "--colorspace", arguments.color_space, "NAME",
+            fmt::format("OCIO colour space of the EXR's RGB (default: {})", kRenderSpace));
+  add_development_options(command, arguments.development);
+  add_exr_options(command, arguments.exr);
+  add_display_options(command, arguments.display);
+  command.add_flag("--quiet", arguments.quiet, "say nothing but errors");
+}
 
 void add_render_command(CLI::App& program, ExitCode& code) {
   CLI::App& command = *program.add_subcommand("render", "Render a scene to images");
   const auto arguments = std::make_shared<RenderArguments>();
-  RenderSettings& settings = arguments->scene.settings;
   add_scene_options(command, arguments->scene);
   add_shown(command, "-o,--output", arguments->outputs, "FILE",
             "image to write, .exr scene-linear or .png, .jpg, .tif through OCIO; repeatable")
       ->allow_extra_args(false)
       ->required();
-  add_number(command, "--spp", settings.samples_per_pixel, "N",
-             fmt::format("camera samples per pixel (default: {})", settings.samples_per_pixel));
-  add_shown(command, "--bands", arguments->bands, "A:B:STEP",
-            "spectral channels beside RGB: bands [A + i STEP, A + (i+1) STEP), in nm");
-  add_shown(command, "--crop", arguments->crop, "X0,Y0,X1,Y1",
-            "render only these pixels, half-open");
-  add_shown(command, "--aov", arguments->aovs, "LIST",
-            fmt::format("extra channels: {}", fmt::join(aov_names(), ", ")));
-  add_number(command, "--threads", arguments->scene.threads, "N",
-             "threads to use (default: all cores)");
-  add_shown(command, "--colorspace", arguments->color_space, "NAME",
-            fmt::format("OCIO colour space of the EXR's RGB (default: {})", kRenderSpace));
-  add_development_options(command, arguments->development);
-  add_exr_options(command, arguments->exr);
-  add_display_options(command, arguments->display);
+  add_render_options(command, *arguments);
   add_shown(command, "--stats", arguments->stats_file, "FILE.json",
             "write times, counts of rays and memory");
-  command.add_flag("--quiet", arguments->quiet, "say nothing but errors");
   command.callback([arguments, &code] { code = run_render(*arguments); });
 }
 

@@ -9,10 +9,12 @@ JOBS   ?= $(shell nproc)
 # Debian 12 packages. A list is installed only when a target needs it, and only what is missing.
 BUILD_PACKAGES := g++ cmake ninja-build pkg-config libglm-dev libhwy-dev libtbb-dev libfmt-dev \
   nlohmann-json3-dev libopenexr-dev libtinygltf-dev libcli11-dev libopencolorio-dev \
-  libopenimageio-dev libyaml-cpp-dev
+  libopenimageio-dev libyaml-cpp-dev zlib1g-dev libjs-chart.js
 TEST_PACKAGES  := libgtest-dev libgmock-dev librapidcheck-dev qemu-user clang-format-14 \
   openimageio-tools opencolorio-tools openexr
 BENCH_PACKAGES := libembree-dev libbenchmark-dev povray
+# The page of a comparison is tested in Chromium. A Node.js of another origin is as good as Debian's.
+PAGE_PACKAGES  := chromium $(if $(shell command -v npm),,nodejs npm)
 TIDY_PACKAGES  := clang-format-14 clang-tidy-14
 
 # Objects are reused between clones where ccache is installed.
@@ -20,7 +22,7 @@ CONFIGURE = cmake --preset $(PRESET) $(if $(shell command -v ccache),-DCMAKE_CXX
 
 .DEFAULT_GOAL := help
 .PHONY: help prism build test test-sanitize bench bless format tidy install clean \
-  deps-build deps-test deps-bench deps-tidy configure
+  deps-build deps-test deps-page deps-bench deps-tidy configure
 
 help: ## Lists the targets.
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -100,8 +102,16 @@ endef
 
 deps-build:
 	$(call install_packages,$(BUILD_PACKAGES))
-deps-test:
+deps-test: deps-page
 	$(call install_packages,$(BUILD_PACKAGES) $(TEST_PACKAGES))
+# playwright-core, by its lock file, once: no network where it is already.
+deps-page:
+	$(call install_packages,$(PAGE_PACKAGES))
+	@mkdir -p build/page
+	@cmp -s tests/report/page/package-lock.json build/page/installed-lock.json || { \
+	  cp tests/report/page/package.json tests/report/page/package-lock.json build/page/ && \
+	  npm ci --prefix build/page --ignore-scripts --no-audit --no-fund --prefer-offline && \
+	  cp build/page/package-lock.json build/page/installed-lock.json; }
 deps-bench: deps-test
 	$(call install_packages,$(BENCH_PACKAGES))
 deps-tidy:

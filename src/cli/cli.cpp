@@ -75,6 +75,7 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
   program.get_formatter()->column_width(32);
   add_render_command(program, code);
   add_display_command(program, code);
+  add_compare_command(program, code);
   add_diff_command(program, code);
   add_inspect_command(program, code);
   add_probe_command(program, code);

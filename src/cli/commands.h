@@ -10,6 +10,7 @@ namespace abbe {
 
 /// Every function adds one subcommand; when it has run, `code` is its exit code.
 void add_render_command(CLI::App& program, ExitCode& code);
+void add_compare_command(CLI::App& program, ExitCode& code);
 void add_diff_command(CLI::App& program, ExitCode& code);
 void add_display_command(CLI::App& program, ExitCode& code);
 void add_inspect_command(CLI::App& program, ExitCode& code);

@@ -6,6 +6,7 @@ set(ABBE_DEPENDENCIES
   TBB
   fmt
   nlohmann_json
+  ZLIB
   OpenEXR
   TinyGLTF
   yaml-cpp

@@ -47,7 +47,6 @@ const WrongUsage kWrong[] = {
     {"later_option_accel", render_with({"--accel", "bvh"}), "unknown option --accel"},
     {"lamp_unknown", render_with({"--lamp", "nosuch"}), "\"nosuch\""},
     {"lamp_that_is_a_glass", render_with({"--lamp", "N-BK7"}), "a lamp"},
-    {"later_command_compare", {"compare", "scene.gltf", "-o", "d"}, "\"compare\""},
     {"option_without_value", render_with({"--spp"}), "--spp"},
     {"option_twice", render_with({"--spp", "1", "--spp", "2"}), "--spp"},
     {"no_number", render_with({"--spp", "many"}), "\"many\""},

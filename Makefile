@@ -61,9 +61,8 @@ bench: deps-bench ## Runs the benchmarks: ratios, measured in one run, to out/be
 	$(BUILD)/tests/bench/abbe_render_bench --povray
 	$(BUILD)/tests/bench/abbe_uplift_bench
 
-bless: deps-test ## Renews golden images: make bless CASE=prism_spectral; prints the measured difference.
-	$(CONFIGURE) -DABBE_BUILD_TESTS=ON
-	ABBE_BLESS="$(CASE)" cmake --build --preset $(PRESET) --parallel $(JOBS) --target bless
+bless: build ## Renews golden images: make bless CASE=prism_spectral; prints the measured difference.
+	$(BUILD)/bin/abbe golden renew tests/golden/images $(addprefix --only ,$(CASE))
 
 format: deps-tidy ## Formats the sources with clang-format.
 	git ls-files --cached --others --exclude-standard 'src/*.h' 'src/*.cpp' 'tests/*.h' 'tests/*.cpp' \

@@ -77,6 +77,7 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
   add_display_command(program, code);
   add_compare_command(program, code);
   add_diff_command(program, code);
+  add_golden_command(program, code);
   add_inspect_command(program, code);
   add_probe_command(program, code);
   add_spectra_command(program, code);

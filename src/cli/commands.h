@@ -13,6 +13,7 @@ void add_render_command(CLI::App& program, ExitCode& code);
 void add_compare_command(CLI::App& program, ExitCode& code);
 void add_diff_command(CLI::App& program, ExitCode& code);
 void add_display_command(CLI::App& program, ExitCode& code);
+void add_golden_command(CLI::App& program, ExitCode& code);
 void add_inspect_command(CLI::App& program, ExitCode& code);
 void add_probe_command(CLI::App& program, ExitCode& code);
 void add_spectra_command(CLI::App& program, ExitCode& code);

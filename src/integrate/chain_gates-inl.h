@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE {
 
 /// A place on the facet of step s, moved off it towards another place by the rounding error that it
 /// may have, so that the facet itself is in nobody's way, however aslant.
-inline Vec3f OffFacet(const Chain& chain, const ChainWay& way, std::size_t s, int lane,
+inline Vec3f OffFacet(const ChainPath& chain, const ChainWay& way, std::size_t s, int lane,
                       const Vec3f& towards) {
   const Vec3f place = way.places[s].get(lane) + chain.origin;
   const Vec3f& normal = chain.steps[s].normal;
@@ -33,14 +33,14 @@ inline Ray RayBetween(const Vec3f& from, const Vec3f& to, const Vec3f& direction
 }
 
 /// Backwards from a lit place, off its surface, to the last facet of a chain.
-inline Ray LastRay(const Chain& chain, const ChainWay& way, const Vec3f& origin, int lane) {
+inline Ray LastRay(const ChainPath& chain, const ChainWay& way, const Vec3f& origin, int lane) {
   const std::size_t last = chain.steps.size() - 1;
   return RayBetween(origin, OffFacet(chain, way, last, lane, origin), chain.steps[last].normal);
 }
 
 /// Backwards from the facet of step s to the one before it, or to the light.
-inline Ray GateRay(const Chain& chain, const ChainWay& way, const WorldLight& light, std::size_t s,
-                   int lane) {
+inline Ray GateRay(const ChainPath& chain, const ChainWay& way, const WorldLight& light,
+                   std::size_t s, int lane) {
   const Vec3f from = way.places[s].get(lane) + chain.origin;
   const Vec3f& normal = chain.steps[s].normal;
   if (s > 0) {
@@ -59,13 +59,13 @@ inline Ray GateRay(const Chain& chain, const ChainWay& way, const WorldLight& li
 /// The parts of a chain's way before its last facet on which something may stand, as gates of the
 /// job that carries its light.
 template <class D>
-void AddGates(ShadowQueue<D>& shadows, const World& world, const Chain& chain, const ChainWay& way,
-              const ShadowJob& main) {
+void AddGates(ShadowQueue<D>& shadows, const World& world, const ChainPath& chain,
+              const ChainWay& way, const ShadowJob& main) {
   const WorldLight& light = world.lights[chain.light];
   for (std::size_t s = 0; s < chain.steps.size(); ++s) {
     // The way that ends at step s.
     const ChainStep& step = chain.steps[s];
-    const bool inside = step.event == ChainEvent::Leave || step.event == ChainEvent::ReflectInside;
+    const bool inside = step.comes_from_inside();
     if (inside && !step.is_checked) continue;
     ShadowJob gate;
     gate.sample = main.sample;

@@ -15,6 +15,7 @@
 #include "integrate/chain_gates-inl.h"
 #include "integrate/fog-inl.h"
 #include "integrate/integrator.h"
+#include "integrate/point_chains-inl.h"
 #include "integrate/shade-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -51,8 +52,9 @@ class DirectLight {
       if (!begin_job(fan, lanes, material, rows, shading, rough, record_number, job)) continue;
       shadows_.add(job, [&](int lane) { return shadow_ray(lane); });
     }
-    if (!world_.chains.empty())
+    if (!world_.chains.empty() || !world_.point_chains.chains.empty()) {
       send_chains(fan, lanes, material, rows, shading, rough, record_number);
+    }
   }
 
  private:
@@ -94,15 +96,51 @@ class DirectLight {
         continue;
       }
       if (!LightOnChain(d, world_, chain, set, b_.at.position, to_light_, way_)) continue;
-      ShadowJob job;
-      if (!begin_job(fan, lanes, material, rows, shading, rough, record_number, job)) continue;
-      job.spread = true;
-      job.ends_at_glass = true;
-      shadows_.add(job, [&](int lane) {
-        return LastRay(chain, way_, origin_off_surface(lane, to_light_.direction.get(lane)), lane);
-      });
-      AddGates(shadows_, world_, chain, way_, job);
+      send_arrived(chain, fan, lanes, material, rows, shading, rough, record_number);
     }
+    for (const PointChainGroup& group : world_.point_chains.groups) {
+      if (group.ends_inside && (fan.media.empty() || fan.media.top() != group.material)) continue;
+      PlaceInGroup place;
+      if (!may_light(group, center, radius_m, place)) continue;
+      if (!is_in_bounds(place, group.reach, group.slope)) continue;
+      for (std::uint32_t c = group.first_chain; c < group.first_chain + group.chain_count; ++c) {
+        const PointChain& chain = world_.point_chains.chains[c];
+        if (!is_in_bounds(place, chain.reach, chain.slope)) continue;
+        const LaneMask near = fan.spread ? lanes_in_bounds(group, chain, lanes) : lanes;
+        if (!near.any()) continue;
+        PointChainLight<D> light(world_, chain, set);
+        if (!light.run(b_.at.position, near, !fan.spread, to_light_, way_)) continue;
+        send_arrived(chain, fan, lanes, material, rows, shading, rough, record_number);
+      }
+    }
+  }
+
+  // The lanes of a spread fan that a chain may light.
+  LaneMask lanes_in_bounds(const PointChainGroup& group, const PointChain& chain,
+                           const LaneMask& among) const {
+    LaneMask found;
+    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
+      PlaceInGroup place;
+      if (among.test(lane) && may_light(group, b_.at.position.get(lane), 0.0f, place) &&
+          is_in_bounds(place, chain.reach, chain.slope)) {
+        found.set(lane);
+      }
+    }
+    return found;
+  }
+
+  // Notes the light that a chain brings, which lies in to_light_ and way_.
+  void send_arrived(const ChainPath& chain, const Fan& fan, const LaneMask& lanes,
+                    const SurfaceMaterial& material, const BoundaryRows& rows,
+                    const Shading& shading, bool rough, std::uint32_t record_number) {
+    ShadowJob job;
+    if (!begin_job(fan, lanes, material, rows, shading, rough, record_number, job)) return;
+    job.spread = true;
+    job.ends_at_glass = true;
+    shadows_.add(job, [&](int lane) {
+      return LastRay(chain, way_, origin_off_surface(lane, to_light_.direction.get(lane)), lane);
+    });
+    AddGates(shadows_, world_, chain, way_, job);
   }
 
   // Just off the surface, on the side that a direction points to.

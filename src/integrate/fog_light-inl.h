@@ -14,6 +14,7 @@
 
 #include "integrate/chain_gates-inl.h"
 #include "integrate/fog-inl.h"
+#include "integrate/point_chains-inl.h"
 #include "integrate/shade-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -71,6 +72,7 @@ class FogLight {
         if (add_job(fan, lanes, job, ray_of)) AddGates(shadows_, world_, chain, way_, job);
       }
     }
+    scatter_point_chains(fan, lanes, set);
   }
 
  private:
@@ -115,10 +117,7 @@ class FogLight {
       fog_.stretch.begin_m[lane] = lit.begin_m;
       fog_.stretch.end_m[lane] = std::max(lit.begin_m, lit.end_m);
     });
-    if (!fan.spread) {
-      Splat(d, stride_, fog_.stretch.begin_m[0], fog_.stretch.begin_m);
-      Splat(d, stride_, fog_.stretch.end_m[0], fog_.stretch.end_m);
-    }
+    if (!fan.spread) splat_stretch();
     return any;
   }
 
@@ -189,6 +188,48 @@ class FogLight {
     add_job(fan, lanes, job, [&](int lane) {
       return Ray{fog_.places.get(lane), to_light_.distance_m[lane], to_light_.direction.get(lane)};
     });
+  }
+
+  // Light of point and spot lamps that comes to fog on chains.
+  void scatter_point_chains(const Fan& fan, const LaneMask& lanes, int set) {
+    for (const PointChainGroup& group : world_.point_chains.groups) {
+      if (group.ends_inside || !find_stretch(fan, group, group.reach, group.slope)) continue;
+      for (std::uint32_t c = group.first_chain; c < group.first_chain + group.chain_count; ++c) {
+        const PointChain& chain = world_.point_chains.chains[c];
+        if (!find_stretch(fan, group, chain.reach, chain.slope)) continue;
+        for (int piece = 0; piece < pieces(fan); ++piece) {
+          take_depth(fan.spread, place_of(fan, piece));
+          place_fog(fan, set);
+          PointChainLight<D> light(world_, chain, set);
+          if (!light.run(fog_.places, lanes, !fan.spread, to_light_, way_)) continue;
+          ShadowJob job;
+          job.spread = true;
+          job.ends_at_glass = true;
+          const auto ray_of = [&](int lane) {
+            return LastRay(chain, way_, fog_.places.get(lane), lane);
+          };
+          if (add_job(fan, lanes, job, ray_of)) AddGates(shadows_, world_, chain, way_, job);
+        }
+      }
+    }
+  }
+
+  // The part of every lane's ray that may lie in the bounds of a chain or of a group of them.
+  bool find_stretch(const Fan& fan, const PointChainGroup& group, const std::array<float, 8>& reach,
+                    const std::array<float, 8>& slope) {
+    bool any = false;
+    for_rays(fan.spread, [&](int lane) {
+      any |= StretchInBounds(group, reach, slope, fog_.rays.origins->get(lane),
+                             fog_.rays.directions->get(lane), fog_.ends_m[lane],
+                             &fog_.stretch.begin_m[lane], &fog_.stretch.end_m[lane]);
+    });
+    if (any && !fan.spread) splat_stretch();
+    return any;
+  }
+
+  void splat_stretch() {
+    Splat(D(), stride_, fog_.stretch.begin_m[0], fog_.stretch.begin_m);
+    Splat(D(), stride_, fog_.stretch.end_m[0], fog_.stretch.end_m);
   }
 
   // Whether the light at hand comes to anything in any lane; then it waits in the queue.

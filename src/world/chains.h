@@ -1,5 +1,5 @@
 /// Chains: the ways on which light of a lamp goes round a corner over flat facets, each known
-/// without chance.
+/// without chance. Those of point and spot lights are in world/point_chains.h.
 ///
 /// Parallel light. Behind every facet of a chain all rays of one wavelength are parallel again, so
 /// the light that leaves is a prism in space: the part of the last facet that all facets before it
@@ -35,17 +35,29 @@ struct ChainStep {
   Vec3f normal{0.0f};
   float distance_m = 0.0f;  ///< Plane n·x = distance, x relative to the chain's origin.
   bool is_checked = false;  ///< The way inside that ends here may meet something.
+
+  bool comes_from_inside() const {
+    return event == ChainEvent::Leave || event == ChainEvent::ReflectInside;
+  }
+  bool goes_on_inside() const {
+    return event == ChainEvent::Enter || event == ChainEvent::ReflectInside;
+  }
 };
 
-/// One chain of one light. What depends on the wavelength lies in World::chain_rows, per wavelength
-/// set `array_count` arrays of lane_stride floats from `rows` on. Parallel light: its weight (0 in
-/// lanes that no light passes), the direction x, y, z after each step, then per side plane
-/// normal x, y, z and offset: a point is lit where all normal·x + offset ≥ 0.
-struct Chain {
+/// The facets that light of one lamp meets one after the other.
+struct ChainPath {
   std::uint32_t light = 0;
   std::vector<ChainStep> steps;
   bool ends_inside = false;  ///< It lights the inside of the last step's body.
   Vec3f origin{0.0f};        ///< Points are taken relative to it: keeps precision.
+  float largest = 0.0f;      ///< Bound of what it adds to the light of its lamp, for any lane.
+};
+
+/// A chain of parallel light. What depends on the wavelength lies in World::chain_rows, per
+/// wavelength set `array_count` arrays of lane_stride floats from `rows` on: its weight (0 in lanes
+/// that no light passes), the direction x, y, z after each step, then per side plane normal x, y, z
+/// and offset: a point is lit where all normal·x + offset ≥ 0.
+struct Chain : ChainPath {
   // All it lights lies in a cone, of which the tip is this sphere: for a quick no.
   Vec3f bound_center{0.0f};  ///< World coordinates.
   float bound_radius_m = 0.0f;
@@ -53,7 +65,6 @@ struct Chain {
   float bound_tan = 0.0f;  ///< Of its half angle.
   int side_count = 0;
   std::size_t rows = 0;
-  float largest = 0.0f;  ///< Largest weight of any lane.
 
   std::size_t array_count() const {
     return 1 + 3 * steps.size() + 4 * static_cast<std::size_t>(side_count);
@@ -80,8 +91,20 @@ inline constexpr int kMostChainBodies = 2;
 /// Most facets of a chain.
 inline constexpr std::size_t kMostChainSteps = 16;
 
-/// Finds the flat bodies of a scene and the chains of its lights, largest weight first. Fills
-/// World::flat, chains, chain_rows, surface_is_exact, and caustics.
+/// What a search for the chains of one light has met.
+struct ChainYield {
+  double started = 0.0;  ///< Light that fell on facets; the unit depends on the kind of light.
+  double cut = 0.0;      ///< The part of it that chains below the cutoff would have carried.
+  std::optional<std::uint32_t> too_large;  ///< A body that has more chains than can be kept.
+};
+
+/// Step of a chain over a facet of the world's flat bodies; its plane is relative to the world's
+/// origin until the chain has one.
+ChainStep make_chain_step(const World& world, std::uint32_t facet, ChainEvent event);
+
+/// Finds the flat bodies of a scene and the chains of its lights, largest first. Fills World::flat,
+/// chains, chain_rows, point_chains, surface_is_exact, and caustics. A body that has too many
+/// chains is left to straight shadow rays, with one warning that names it.
 /// Domain: materials, lights and surfaces are already in the world.
 void add_chains(const Scene& scene, const CausticOptions& options, Notes& notes, World& world);
 

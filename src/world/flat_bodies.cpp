@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -34,18 +36,61 @@ Kind kind_of(const Material& material) {
   return Kind::None;
 }
 
-void finish(Facet& facet) {
-  Vec3d low = facet.corners.front();
+// A sphere about the corners of some facets, for what has a centre and a radius.
+template <typename Bounded>
+void bound(std::span<const Facet> facets, Bounded& result) {
+  Vec3d low = facets.front().corners.front();
   Vec3d high = low;
-  for (const Vec3d& corner : facet.corners) {
-    low = glm::min(low, corner);
-    high = glm::max(high, corner);
+  for (const Facet& facet : facets) {
+    for (const Vec3d& corner : facet.corners) {
+      low = glm::min(low, corner);
+      high = glm::max(high, corner);
+    }
   }
-  facet.center = 0.5 * (low + high);
-  facet.radius_m = 0.0;
-  for (const Vec3d& corner : facet.corners) {
-    facet.radius_m = std::max(facet.radius_m, glm::distance(corner, facet.center));
+  result.center = 0.5 * (low + high);
+  result.radius_m = 0.0;
+  for (const Facet& facet : facets) {
+    for (const Vec3d& corner : facet.corners) {
+      result.radius_m = std::max(result.radius_m, glm::distance(corner, result.center));
+    }
   }
+}
+
+// Numbers the facets of the last body and joins those of one plane, which follow each other.
+void finish(FlatBodies& found, FlatBody& body, std::vector<Facet> facets) {
+  body.first_facet = static_cast<std::uint32_t>(found.facets.size());
+  body.facet_count = static_cast<std::uint32_t>(facets.size());
+  body.first_face = static_cast<std::uint32_t>(found.faces.size());
+  const auto number = static_cast<std::uint32_t>(found.bodies.size());
+  for (std::size_t i = 0; i < facets.size();) {
+    std::size_t end = i;
+    while (end < facets.size() && facets[end].normal == facets[i].normal &&
+           facets[end].distance == facets[i].distance) {
+      facets[end].body = number;
+      bound(std::span<const Facet>(&facets[end], 1), facets[end]);
+      ++end;
+    }
+    Face face;
+    face.first_facet = body.first_facet + static_cast<std::uint32_t>(i);
+    face.facet_count = static_cast<std::uint32_t>(end - i);
+    face.body = number;
+    bound(std::span<const Facet>(&facets[i], end - i), face);
+    found.faces.push_back(face);
+    i = end;
+  }
+  body.face_count = static_cast<std::uint32_t>(found.faces.size()) - body.first_face;
+  std::move(facets.begin(), facets.end(), std::back_inserter(found.facets));
+  found.bodies.push_back(std::move(body));
+}
+
+void leave_out(FlatBodies& found, const FlatBody& body, const std::string& why, Notes& notes) {
+  notes.warn(body.name, "light through it goes straight: " + why);
+  found.fallbacks.push_back(body.name + ": " + why);
+}
+
+bool has_textured_film(const Material& material) {
+  return material.film && material.film->factor > 0.0f &&
+         (material.film->factor_texture || material.film->thickness_texture);
 }
 
 std::vector<Facet> facets_of(const ConvexShape& shape, const Mat4d& to_world) {
@@ -197,12 +242,11 @@ class MeshFacets {
     if (!(total_area > 0.0)) return;
     const Vec3d normal = glm::normalize(sum);
     std::vector<Vec3d> hull = convex_hull(points, normal);
+    double distance = 0.0;
+    for (const Vec3d& point : points) distance += glm::dot(normal, point);
+    distance /= static_cast<double>(points.size());
     const auto add = [&](std::vector<Vec3d> corners) {
-      double distance = 0.0;
-      for (const Vec3d& corner : corners) distance += glm::dot(normal, corner);
-      Facet facet{.normal = normal,
-                  .distance = distance / static_cast<double>(corners.size()),
-                  .corners = std::move(corners)};
+      Facet facet{.normal = normal, .distance = distance, .corners = std::move(corners)};
       facets.push_back(std::move(facet));
     };
     // As large as its hull: the union is convex.
@@ -285,6 +329,10 @@ FlatBodies find_flat_bodies(const Scene& scene, Notes& notes) {
     body.is_mirror = kind == Kind::Mirror;
     std::vector<Facet> facets;
     std::optional<std::string> trouble;
+    if (has_textured_film(scene.materials[material])) {
+      if (body.is_mirror) continue;
+      trouble = "a texture shapes its thin film";
+    }
     if (shape != nullptr) {
       const auto* convex = std::get_if<ConvexShape>(&shape->geometry);
       if (convex == nullptr) continue;
@@ -295,7 +343,9 @@ FlatBodies find_flat_bodies(const Scene& scene, Notes& notes) {
       if (!mesh_facets.is_flat()) continue;
       // Grouping and the test for crossings are only tried where the answer can be useful.
       constexpr std::size_t kMostTriangles = 64 * kMostFacets;
-      if (mesh->triangles.size() > kMostTriangles) {
+      if (trouble) {
+        // It is named below.
+      } else if (mesh->triangles.size() > kMostTriangles) {
         if (body.is_mirror) continue;
         trouble = fmt::format("it has {} triangles", mesh->triangles.size());
       } else {
@@ -313,20 +363,24 @@ FlatBodies find_flat_bodies(const Scene& scene, Notes& notes) {
       }
     }
     if (trouble) {
-      notes.warn(body.name, "light through it goes straight: " + *trouble);
-      found.fallbacks.push_back(body.name + ": " + *trouble);
-      continue;
+      leave_out(found, body, *trouble, notes);
+    } else {
+      finish(found, body, std::move(facets));
     }
-    body.first_facet = static_cast<std::uint32_t>(found.facets.size());
-    body.facet_count = static_cast<std::uint32_t>(facets.size());
-    for (Facet& facet : facets) {
-      facet.body = static_cast<std::uint32_t>(found.bodies.size());
-      finish(facet);
-      found.facets.push_back(std::move(facet));
-    }
-    found.bodies.push_back(std::move(body));
   }
   return found;
+}
+
+void drop_body(FlatBodies& flat, std::uint32_t body, const std::string& why, Notes& notes) {
+  FlatBodies kept;
+  kept.fallbacks = std::move(flat.fallbacks);
+  leave_out(kept, flat.bodies[body], why, notes);
+  for (std::uint32_t b = 0; b < flat.bodies.size(); ++b) {
+    if (b == body) continue;
+    const auto first = flat.facets.begin() + flat.bodies[b].first_facet;
+    finish(kept, flat.bodies[b], {first, first + flat.bodies[b].facet_count});
+  }
+  flat = std::move(kept);
 }
 
 }  // namespace abbe

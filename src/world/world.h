@@ -16,6 +16,7 @@
 #include "world/chains.h"
 #include "world/flat_bodies.h"
 #include "world/lanes.h"
+#include "world/point_chains.h"
 #include "world/texture.h"
 
 namespace abbe {
@@ -157,6 +158,7 @@ struct World {
   FlatBodies flat;            ///< Empty without exact caustics.
   std::vector<Chain> chains;  ///< Largest first.
   std::vector<float> chain_rows;
+  PointChains point_chains;
   /// Per surface: whether light that it lets pass is on chains, and straight rays end there.
   std::vector<std::uint8_t> surface_is_exact;
   CausticReport caustics;
@@ -175,6 +177,13 @@ struct World {
   const float* row(RowId id, int set) const {
     return rows.data() + id + static_cast<std::size_t>(set) * lanes.lane_stride();
   }
+  /// Least and greatest index of a material among the lanes of a set; filled with point_chains.
+  const Vec2d& index_range(std::uint32_t material, int set) const {
+    return index_ranges[material * static_cast<std::size_t>(lanes.set_count()) +
+                        static_cast<std::size_t>(set)];
+  }
+  std::vector<Vec2d> index_ranges;
+
   std::size_t geometry_bytes() const;
 };
 

@@ -6,68 +6,18 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "base/isa.h"
+#include "bench/render_jobs.h"
 #include "cli/prepare.h"
 #include "support/gems.h"
 #include "support/scene_builder.h"
 
 namespace abbe::bench {
 namespace {
-
-namespace fs = std::filesystem;
-
-double cpu_seconds(int who) {
-  rusage usage{};
-  getrusage(who, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-struct Job {
-  std::string name;
-  std::function<double()> run;  ///< Seconds that count.
-};
-
-/// Least times of the jobs, in turn so that a slower minute of the machine meets all of them.
-std::vector<double> least_seconds(const std::vector<Job>& jobs, int repeats) {
-  std::vector<double> least(jobs.size(), 1e30);
-  for (int r = 0; r < repeats; ++r) {
-    for (std::size_t j = 0; j < jobs.size(); ++j) least[j] = std::min(least[j], jobs[j].run());
-  }
-  return least;
-}
-
-/// A scene and the camera to see it with.
-struct Subject {
-  std::string name;
-  Scene scene;
-  Camera camera;
-};
-
-struct Timed {
-  IntegratorStats stats;
-  std::size_t queue_capacity = 0;
-  double cpu_seconds = 0.0, wall_seconds = 0.0;
-};
-
-Timed timed_render(const World& world, const Camera& camera, const RenderSettings& settings) {
-  const ThreadLimit limit(settings.threads);
-  const double start = cpu_seconds(RUSAGE_SELF);
-  const RenderResult result = render(world, camera, settings);
-  return {result.stats, result.queue_capacity, cpu_seconds(RUSAGE_SELF) - start, result.seconds};
-}
 
 Subject hero() {
   Notes notes;
@@ -99,59 +49,6 @@ Subject diamond() {
   scene.lights.push_back(test::point_light({3, 7, 4}, 300.0));
   subject.camera = test::perspective_camera({0, 4.2, 2.6}, {0, -0.1, 0}, 24.0);
   return subject;
-}
-
-class Bench {
- public:
-  Bench(int repeats, std::string out) : repeats_(repeats), out_(std::move(out)) {}
-
-  /// CPU time of `slow` over that of `fast`.
-  void compare(const std::string& key, const std::string& what, const std::vector<Job>& pair) {
-    const std::vector<double> seconds = least_seconds(pair, repeats_);
-    report(key, what, seconds[0] / seconds[1], pair, seconds);
-  }
-
-  void report(const std::string& key, const std::string& what, double ratio,
-              const std::vector<Job>& jobs, const std::vector<double>& seconds) {
-    fmt::print("{:58} {:7.3f}", what, ratio);
-    for (std::size_t j = 0; j < jobs.size(); ++j) {
-      fmt::print("   {} {:.3f} s", jobs[j].name, seconds[j]);
-      json_[key]["seconds"][jobs[j].name] = seconds[j];
-    }
-    fmt::print("\n");
-    std::fflush(stdout);
-    json_[key]["ratio"] = ratio;
-  }
-
-  nlohmann::json& json() { return json_; }
-
-  void write() const {
-    const fs::path out = out_;
-    if (out.has_parent_path()) fs::create_directories(out.parent_path());
-    std::ofstream(out) << json_.dump(2) << '\n';
-  }
-
- private:
-  int repeats_;
-  std::string out_;
-  nlohmann::json json_;
-};
-
-RenderSettings settings_of(Mode mode, const Vec2i& size, int samples) {
-  RenderSettings settings;
-  settings.mode = mode;
-  settings.size = size;
-  settings.samples_per_pixel = samples;
-  settings.threads = 1;
-  return settings;
-}
-
-Job job(const std::string& name, const Subject& subject, const RenderSettings& settings) {
-  // The world is made once; only the render counts.
-  auto world = std::make_shared<World>(test::make_world(subject.scene, settings));
-  return {name, [world, &subject, settings] {
-            return timed_render(*world, subject.camera, settings).cpu_seconds;
-          }};
 }
 
 void compare_modes(Bench& bench, const Subject& subject, const std::string& key,

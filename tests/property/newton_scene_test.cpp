@@ -10,68 +10,16 @@
 #include "optics/dispersion.h"
 #include "optics/fresnel.h"
 #include "optics/snell.h"
+#include "support/newton.h"
 #include "support/scene_builder.h"
 
 namespace abbe {
 namespace {
 
-constexpr double kBeamWidth_m = 0.002;
-constexpr double kBeamHeight_m = 0.016;
-constexpr double kDistance_m = 0.5;
-
-/// A beam, a 60° prism with the d line at minimum deviation, and a matte screen that the d line
-/// meets at right angles; the camera sees the screen from its front, one pixel a known width.
-struct Newton {
-  Scene scene;
-  Dispersion index;
-  Vec3d beam_direction{1.0, 0.0, 0.0};
-  Vec3d normal_in, normal_out;  ///< Of the faces, outwards.
-  Vec3d entry{0.0};             ///< Where the middle of the beam enters.
-  double inradius_m = 0.0;
-  Vec3d screen_center{0.0}, screen_normal{0.0}, screen_x{0.0};
-  Vec2i size{512, 32};
-  double pixel_m = 0.0005;
-};
-
-Newton newton(const char* glass_id) {
-  Newton n;
-  const Material glass = test::glass(glass_id);
-  n.index = glass.index;
-  const double inside = std::asin(refractive_index(n.index, kLine_d_nm) * 0.5);
-  // Half the deviation, 2·(incidence − 30°)/2, turns the beam to the way inside.
-  const double half = inside - glm::radians(30.0);
-  const Vec3d way(std::cos(half), 0.0, -std::sin(half));
-  const Vec3d apex(std::sin(half), 0.0, std::cos(half));
-  const double c30 = std::cos(glm::radians(30.0));
-  n.normal_in = -c30 * way + 0.5 * apex;
-  n.normal_out = c30 * way + 0.5 * apex;
-  n.inradius_m = 0.06 / (2.0 * std::sqrt(3.0));
-  ConvexShape prism;
-  for (const Vec3d& normal : {n.normal_in, n.normal_out, -apex}) {
-    prism.planes.push_back(Vec4d(normal, n.inradius_m));
-  }
-  prism.planes.push_back(Vec4d(0, 1, 0, 0.05));
-  prism.planes.push_back(Vec4d(0, -1, 0, 0.05));
-  test::add_shape(n.scene, {.name = "prism", .geometry = prism}, test::add(n.scene, glass),
-                  Mat4d(1.0));
-  n.entry = -way * (n.inradius_m / c30);
-  const Vec3d out(std::cos(2.0 * half), 0.0, -std::sin(2.0 * half));
-  n.screen_normal = -out;
-  n.screen_x = glm::cross(Vec3d(0, 1, 0), n.screen_normal);
-  n.screen_center = -n.entry + kDistance_m * out;
-  const Mat4d place(Vec4d(n.screen_x, 0), Vec4d(0, 1, 0, 0), Vec4d(n.screen_normal, 0),
-                    Vec4d(n.screen_center, 1));
-  test::add_square(n.scene, test::add(n.scene, test::matte(Vec3f(1.0f))), 0.3, place);
-  Light beam = test::directional_light(n.beam_direction, 1000.0);
-  beam.beam = BeamSize{kBeamWidth_m, kBeamHeight_m};
-  beam.to_world[3] = Vec4d(n.entry - 0.4 * n.beam_direction, 1.0);
-  n.scene.lights.push_back(beam);
-  // Just in front of the screen, so that the prism does not stand before it.
-  n.scene.cameras.push_back(test::orthographic_camera(n.screen_center + 0.2 * n.screen_normal,
-                                                      n.screen_center, 0.5 * n.size.x * n.pixel_m,
-                                                      0.5 * n.size.y * n.pixel_m));
-  return n;
-}
+using test::kBeamHeight_m;
+using test::kBeamWidth_m;
+using test::Newton;
+using test::newton;
 
 /// Where a wavelength meets the screen, metres along screen_x, and the power it keeps.
 struct Landing {

@@ -26,9 +26,9 @@ Vec4d plane_through(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return {normal, distance};
 }
 
-}  // namespace
+enum class Cut { Single, Simple, Brilliant };
 
-ConvexShape brilliant() {
+ConvexShape cut_gem(Cut cut) {
   const double crown = std::tan(34.5 * kPi / 180.0);
   const double pavilion = std::tan(40.75 * kPi / 180.0);
   const double half = std::cos(kPi / kFold);  // Of half an eighth: from corner to middle of a side.
@@ -50,15 +50,34 @@ ConvexShape brilliant() {
     const Vec3d tangent = at(1.0, k + 2.0, 0.0);
     gem.planes.push_back(
         plane_through(girdle, girdle + tangent, at(table_radius, k, table_height)));
-    gem.planes.push_back(plane_through(at(table_radius, k, table_height),
-                                       at(table_radius, next, table_height), star));
-    gem.planes.push_back(plane_through(star, girdle, girdle_middle));
-    gem.planes.push_back(plane_through(star, girdle_middle, girdle_next));
+    if (cut != Cut::Single) {
+      gem.planes.push_back(plane_through(at(table_radius, k, table_height),
+                                         at(table_radius, next, table_height), star));
+    }
+    if (cut == Cut::Simple) gem.planes.push_back(plane_through(star, girdle, girdle_next));
+    if (cut == Cut::Brilliant) {
+      gem.planes.push_back(plane_through(star, girdle, girdle_middle));
+      gem.planes.push_back(plane_through(star, girdle_middle, girdle_next));
+    }
     gem.planes.push_back(plane_through(girdle, girdle + tangent, {0.0, -pavilion, 0.0}));
-    gem.planes.push_back(plane_through(lower, girdle, girdle_middle));
-    gem.planes.push_back(plane_through(lower, girdle_middle, girdle_next));
+    if (cut == Cut::Brilliant) {
+      gem.planes.push_back(plane_through(lower, girdle, girdle_middle));
+      gem.planes.push_back(plane_through(lower, girdle_middle, girdle_next));
+    }
   }
   return gem;
+}
+
+}  // namespace
+
+ConvexShape brilliant() {
+  return cut_gem(Cut::Brilliant);
+}
+ConvexShape single_cut() {
+  return cut_gem(Cut::Single);
+}
+ConvexShape simple_brilliant() {
+  return cut_gem(Cut::Simple);
 }
 
 }  // namespace abbe::test

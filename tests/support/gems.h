@@ -12,4 +12,11 @@ namespace abbe::test {
 /// Source: Tolkowsky, Diamond Design, 1919.
 ConvexShape brilliant();
 
+/// The same without halves and stars: table, 8 bezels, 8 pavilion mains.
+ConvexShape single_cut();
+
+/// The same without lower halves and with one upper facet where the brilliant has two: table, 8
+/// stars, 8 bezels, 8 upper facets, 8 pavilion mains; 33 facets.
+ConvexShape simple_brilliant();
+
 }  // namespace abbe::test

@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/light_figure.h"
 #include "cli/options.h"
 #include "cli/outputs.h"
 #include "cli/parse.h"
@@ -29,7 +30,7 @@ struct ProbeArguments {
   bool all_lanes = false;
   double least_weight = 0.01;
   bool as_json = false;
-  std::string svg;
+  std::string svg, light;
 };
 
 std::string camera_name(const PreparedScene& prepared) {
@@ -56,7 +57,8 @@ std::string text_of(const ProbeArguments& arguments, const PreparedScene& prepar
 }
 
 std::string json_of(const ProbeArguments& arguments, const PreparedScene& prepared,
-                    const Vec2i& pixel, const Probed& probed, std::span<const ProbeNode> nodes) {
+                    const Vec2i& pixel, const Probed& probed, std::span<const ProbeNode> nodes,
+                    const std::optional<LitPlace>& lit, const World& world) {
   const RenderSettings& settings = arguments.scene.settings;
   const auto triple = [](const Vec3f& v) { return std::array<float, 3>{v.x, v.y, v.z}; };
   nlohmann::ordered_json json;
@@ -68,6 +70,7 @@ std::string json_of(const ProbeArguments& arguments, const PreparedScene& prepar
                     {"origin_m", triple(probed.sample.origin)},
                     {"direction", triple(probed.sample.direction)}};
   json["rays"] = probe_json(nodes);
+  if (lit) json["light"] = light_json(*lit, world, prepared.scene);
   return json_text(json);
 }
 
@@ -98,18 +101,32 @@ ExitCode run_probe(ProbeArguments& arguments) {
       probe_pixel(world, prepared.chosen_camera(), settings, pixel, arguments.sample);
   const std::vector<ProbeNode> nodes =
       probe_tree(probed.records, prepared.scene, world, probed.sample);
-  if (!arguments.svg.empty()) {
-    const FigureView view{
-        fmt::format("{}, pixel {},{}",
-                    std::filesystem::path(arguments.scene.file).filename().string(), pixel.x,
-                    pixel.y),
-        arguments.least_weight};
-    write_text(arguments.svg, figure_svg(probe_figure(nodes, Vec3d(probed.sample.origin), view,
-                                                      standards.observer),
-                                         world));
+  std::optional<LitPlace> lit;
+  if (!arguments.light.empty()) {
+    const std::uint32_t light = light_named(world, arguments.light);
+    lit = lit_place(nodes, world, probed.sample.set, light);
+    if (!lit) {
+      throw_usage_error("--light",
+                        fmt::format("pixel {},{}, which sees no surface", pixel.x, pixel.y),
+                        "a pixel on something that light falls on");
+    }
   }
-  print(arguments.as_json ? json_of(arguments, prepared, pixel, probed, nodes)
-                          : text_of(arguments, prepared, pixel, probed, nodes));
+  if (!arguments.svg.empty()) {
+    const std::string title = fmt::format(
+        "{}, pixel {},{}", std::filesystem::path(arguments.scene.file).filename().string(), pixel.x,
+        pixel.y);
+    const RayFigure figure =
+        lit ? light_figure(*lit, world, prepared.scene, title, standards.observer)
+            : probe_figure(nodes, Vec3d(probed.sample.origin), {title, arguments.least_weight},
+                           standards.observer);
+    write_text(arguments.svg, figure_svg(figure, world));
+  }
+  if (arguments.as_json) {
+    print(json_of(arguments, prepared, pixel, probed, nodes, lit, world));
+    return ExitCode::Done;
+  }
+  print(text_of(arguments, prepared, pixel, probed, nodes) +
+        (lit ? light_text(*lit, world, prepared.scene) : std::string()));
   return ExitCode::Done;
 }
 
@@ -130,6 +147,9 @@ void add_probe_command(CLI::App& program, ExitCode& code) {
              "only count rays of a smaller weight (default: 0.01)");
   add_shown(command, "--svg", arguments->svg, "FILE.svg",
             "also draw these rays, in the plane that shows them best");
+  add_shown(command, "--light", arguments->light, "NAME",
+            "also follow the ways on which light of this lamp comes to what the pixel shows, bent "
+            "ones through flat glass included; with --svg, draw those instead");
   command.add_flag("--json", arguments->as_json, "print JSON with all rays and wavelengths");
   command.callback([arguments, &code] { code = run_probe(*arguments); });
 }

@@ -177,5 +177,53 @@ TEST_F(ProbeTest, drawing_that_cannot_be_written_fails_before_the_scene_is_read)
   EXPECT_THAT(run.err, HasSubstr("nowhere"));
 }
 
+const std::string& newton_file() {
+  static const std::string kFile = std::string(ABBE_SOURCE_DIR) + "/scenes/newton/newton.gltf";
+  return kFile;
+}
+
+TEST_F(ProbeTest, light_is_followed_backwards_through_the_prism_to_its_lamp) {
+  // A pixel in the green of the spectrum on the screen.
+  const Arguments base{"probe",   newton_file(),   "--size", "960x540", "--pixel",
+                       "500,151", "--wavelengths", "64",     "--light", "beam"};
+  Arguments as_json = base;
+  as_json.emplace_back("--json");
+  const Outcome run = abbe(as_json);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json light = json::parse(run.out).at("light");
+  EXPECT_EQ(light.at("surface"), "screen");
+  bool found = false;
+  for (const json& chain : light.at("chains")) {
+    if (chain.at("events") != json({"enter", "leave"})) continue;
+    for (const json& path : chain.at("paths")) {
+      const json& enter = path.at("crossings").at(0);
+      EXPECT_EQ(enter.at("body"), "prism");
+      // The beam's incidence, and Snell's law.
+      EXPECT_NEAR(enter.at("incidence_deg").get<double>(), 63.1713, 1e-3);
+      EXPECT_NEAR(std::sin(kRadians * enter.at("incidence_deg").get<double>()),
+                  enter.at("n_after").get<double>() *
+                      std::sin(kRadians * enter.at("exit_deg").get<double>()),
+                  1e-6);
+      found = true;
+    }
+  }
+  EXPECT_TRUE(found);
+
+  Arguments drawn = base;
+  drawn.insert(drawn.end(), {"--svg", "light.svg"});
+  const Outcome picture = abbe(drawn);
+  ASSERT_EQ(picture.exit_code, 0) << picture.err;
+  EXPECT_THAT(picture.out, HasSubstr("enter prism, leave prism"));
+  EXPECT_THAT(bytes("light.svg"), HasSubstr("leave prism"));
+}
+
+TEST_F(ProbeTest, unknown_lamp_is_an_error_that_lists_the_lamps) {
+  const Outcome run =
+      abbe({"probe", newton_file(), "--size", "96x54", "--pixel", "50,15", "--light", "sun"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_TRUE(is_one_error_line(run.err));
+  EXPECT_THAT(run.err, HasSubstr("room light"));
+}
+
 }  // namespace
 }  // namespace abbe::test

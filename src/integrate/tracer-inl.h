@@ -243,13 +243,25 @@ class Tracer {
 
     const bool rough = at.roughness[leader] >= kSmoothRoughness;
     if (!hidden) {
-      lamps_.send(fan, lanes, material, rows, shading_, rough, record_number);
+      if (rough || scatters()) {
+        lamps_.send(fan, lanes, material, rows, shading_, rough, record_number);
+      }
       // The coherent ray of a rough opaque dielectric is a faint blur that its lobe stands for.
       const bool coherent = !rough || at.metallic[leader] > 0.0f || at.transmission[leader] > 0.0f;
       if (!coherent) return;
       if (rough) use_microfacets(fan, lanes, rows, material, crossing);
     }
     branching_.branch(fan, lanes, crossing, behind, path_length_m, record_number, next);
+  }
+
+  // Whether the surface has a diffuse lobe: polished glass and metal show no lamp as a point.
+  bool scatters() const {
+    const D d;
+    auto any = hn::Zero(d);
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      any = hn::Max(any, hn::Load(d, shading_.diffuse.v + i));
+    }
+    return !hn::AllTrue(d, hn::Le(any, hn::Zero(d)));
   }
 
   // Emission, and ambient light: k_a defaults to the albedo that diffuse reflection has.

@@ -63,13 +63,7 @@ class FogLight {
         take_depth(true, place_of(fan, piece));
         place_fog(fan, set);
         if (!LightOnChain(d, world_, chain, set, fog_.places, to_light_, way_)) continue;
-        ShadowJob job;
-        job.spread = true;
-        job.ends_at_glass = true;
-        const auto ray_of = [&](int lane) {
-          return LastRay(chain, way_, fog_.places.get(lane), lane);
-        };
-        if (add_job(fan, lanes, job, ray_of)) AddGates(shadows_, world_, chain, way_, job);
+        send_arrived(chain, fan, lanes);
       }
     }
     scatter_point_chains(fan, lanes, set);
@@ -202,13 +196,7 @@ class FogLight {
           place_fog(fan, set);
           PointChainLight<D> light(world_, chain, set);
           if (!light.run(fog_.places, lanes, !fan.spread, to_light_, way_)) continue;
-          ShadowJob job;
-          job.spread = true;
-          job.ends_at_glass = true;
-          const auto ray_of = [&](int lane) {
-            return LastRay(chain, way_, fog_.places.get(lane), lane);
-          };
-          if (add_job(fan, lanes, job, ray_of)) AddGates(shadows_, world_, chain, way_, job);
+          send_arrived(chain, fan, lanes);
         }
       }
     }
@@ -230,6 +218,15 @@ class FogLight {
   void splat_stretch() {
     Splat(D(), stride_, fog_.stretch.begin_m[0], fog_.stretch.begin_m);
     Splat(D(), stride_, fog_.stretch.end_m[0], fog_.stretch.end_m);
+  }
+
+  // Notes the light that a chain brings, which lies in to_light_ and way_.
+  void send_arrived(const ChainPath& chain, const Fan& fan, const LaneMask& lanes) {
+    ShadowJob job;
+    job.spread = true;
+    job.ends_at_glass = true;
+    const auto ray_of = [&](int lane) { return LastRay(chain, way_, fog_.places.get(lane), lane); };
+    if (add_job(fan, lanes, job, ray_of)) AddGates(shadows_, world_, chain, way_, job);
   }
 
   // Whether the light at hand comes to anything in any lane; then it waits in the queue.

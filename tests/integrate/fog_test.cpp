@@ -8,6 +8,7 @@
 
 #include "base/constants.h"
 #include "image/exr.h"
+#include "integrate/light_paths.h"
 #include "optics/dispersion.h"
 #include "optics/fresnel.h"
 #include "support/scene_builder.h"
@@ -108,6 +109,42 @@ TEST(Fog, beam_across_the_view_glows_by_its_width_without_noise) {
                           (std::exp(-4.98 * kExtinction) - std::exp(-5.02 * kExtinction));
   // Single precision of e^(−σt) differences.
   EXPECT_NEAR(luminance(scene) / expected, 1.0, 5e-4);
+}
+
+TEST(Fog, point_light_above_a_slab_of_glass_lights_the_fog_below_on_bent_ways) {
+  Scene scene = foggy_scene();
+  scene.lights.push_back(test::point_light({0, 2, 0}, 100.0));
+  // A wall ends the view at z = -4, before the slab's own ends come into play.
+  test::add_square(scene, test::add(scene, test::matte(Vec3f(0.0f))), 0.05,
+                   test::translation({0, 0, -4}));
+  RenderSettings settings = fog_settings();
+  settings.wavelengths.exact_nm = {kLine_d_nm};
+  const auto radiance = [&] {
+    return static_cast<double>(
+        test::pixel(test::render(scene, settings).image, 4, 4, spectral_channel_name(kLine_d_nm)));
+  };
+  const double open = radiance();
+  test::add_box(scene, test::add(scene, test::glass("glass/schott/N-SF11")), {5.0, 0.2, 5.0},
+                test::translation({0, 1.0, 0}));
+  const double below = radiance();
+  const double open_integral = integral(0.0, 9.0, [](double t) {
+    const double r2 = 4.0 + (5.0 - t) * (5.0 - t);
+    return std::exp(-kExtinction * (t + std::sqrt(r2))) / r2;
+  });
+  // The ways one by one, in double precision; smooth, so that 240 places are plenty.
+  const World world = test::make_world(scene, settings);
+  double below_integral = 0.0;
+  constexpr int kPlaces = 240;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double t = 9.0 * (i + 0.5) / kPlaces;
+    for (const LightChain& chain : chains_to_light(world, 0, {0.0, 0.0, 5.0 - t}, 0)) {
+      below_integral += chain.paths.front().irradiance * std::exp(-kExtinction * t) * 9.0 / kPlaces;
+    }
+  }
+  // The slab brings the lamp nearer by more than its faces take away.
+  EXPECT_GT(below, 1.02 * open);
+  // Stratified as the point light above, twice.
+  EXPECT_NEAR(below / open, below_integral / open_integral, 4e-3 * below / open);
 }
 
 TEST(Fog, sun_in_fog_before_a_black_wall_shows_what_fog_hides) {

@@ -1,6 +1,6 @@
-/// Packets of sixteen rays that go nearly the same way. The tree sees a packet as one wide tube; in
-/// a leaf, triangles beside the tube are dropped sixteen at a time, and the rest is tested against
-/// sixteen rays at a time. Compiled once for each instruction set level.
+/// Packets of sixteen rays that go nearly the same way. The tree sees a packet as one wide tube;
+/// packets that cost more than their rays would alone are divided. Compiled once for each
+/// instruction set level.
 
 #if defined(ABBE_ACCEL_KD_PACKET_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ABBE_ACCEL_KD_PACKET_INL_H_
@@ -12,8 +12,8 @@
 #include <hwy/highway.h>
 
 #include "accel/kd_lanes-inl.h"
+#include "accel/kd_packet_leaf-inl.h"
 #include "accel/kd_packet_start-inl.h"
-#include "accel/kd_solids-inl.h"
 #include "accel/kd_state.h"
 #include "accel/kd_step-inl.h"
 
@@ -21,223 +21,6 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-// A block as seen from the line of a packet.
-struct alignas(64) SeenBlock {
-  float corners[9][kBlockTriangles];  ///< Relative to the origin of the line.
-  std::uint32_t near;                 ///< The triangles that the packet's rays may meet.
-};
-
-HWY_INLINE void SeeBlock(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
-  const LaneF d;
-  using V = hn::Vec<LaneF>;
-  const float* const row_x = block.corners[p.axes.x];
-  const float* const row_y = block.corners[p.axes.y];
-  const float* const row_z = block.corners[p.axes.z];
-  constexpr int kCorner = 3 * kBlockTriangles;
-  const V lx = hn::Set(d, p.line_x), ly = hn::Set(d, p.line_y), lz = hn::Set(d, p.line_z);
-  const V sx = hn::Set(d, p.line_shear_x), sy = hn::Set(d, p.line_shear_y);
-  const float depth = p.farthest * p.longest_z + p.half_z;
-  const V first_z = hn::Set(d, p.is_z_positive ? -p.half_z : -depth);
-  const V last_z = hn::Set(d, p.is_z_positive ? depth : p.half_z);
-  float* const to_x = seen.corners[p.axes.x];
-  float* const to_y = seen.corners[p.axes.y];
-  float* const to_z = seen.corners[p.axes.z];
-  std::uint32_t bits = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
-    const V az = hn::Sub(hn::Load(d, row_z + i), lz);
-    const V bz = hn::Sub(hn::Load(d, row_z + kCorner + i), lz);
-    const V cz = hn::Sub(hn::Load(d, row_z + 2 * kCorner + i), lz);
-    const V afx = hn::Sub(hn::Load(d, row_x + i), lx);
-    const V afy = hn::Sub(hn::Load(d, row_y + i), ly);
-    const V bfx = hn::Sub(hn::Load(d, row_x + kCorner + i), lx);
-    const V bfy = hn::Sub(hn::Load(d, row_y + kCorner + i), ly);
-    const V cfx = hn::Sub(hn::Load(d, row_x + 2 * kCorner + i), lx);
-    const V cfy = hn::Sub(hn::Load(d, row_y + 2 * kCorner + i), ly);
-    hn::Store(afx, d, to_x + i);
-    hn::Store(afy, d, to_y + i);
-    hn::Store(az, d, to_z + i);
-    hn::Store(bfx, d, to_x + kCorner + i);
-    hn::Store(bfy, d, to_y + kCorner + i);
-    hn::Store(bz, d, to_z + kCorner + i);
-    hn::Store(cfx, d, to_x + 2 * kCorner + i);
-    hn::Store(cfy, d, to_y + 2 * kCorner + i);
-    hn::Store(cz, d, to_z + 2 * kCorner + i);
-    const V ax = hn::Sub(afx, hn::Mul(sx, az));
-    const V ay = hn::Sub(afy, hn::Mul(sy, az));
-    const V bx = hn::Sub(bfx, hn::Mul(sx, bz));
-    const V by = hn::Sub(bfy, hn::Mul(sy, bz));
-    const V cx = hn::Sub(cfx, hn::Mul(sx, cz));
-    const V cy = hn::Sub(cfy, hn::Mul(sy, cz));
-    const V low_z = hn::Min(hn::Min(az, bz), cz), high_z = hn::Max(hn::Max(az, bz), cz);
-    const V far = hn::Max(hn::Abs(low_z), hn::Abs(high_z));
-    const V half_x = hn::Add(hn::Set(d, p.half_x), hn::Mul(hn::Set(d, p.spread_x), far));
-    const V half_y = hn::Add(hn::Set(d, p.half_y), hn::Mul(hn::Set(d, p.spread_y), far));
-    const auto z_near = hn::And(hn::Ge(high_z, first_z), hn::Le(low_z, last_z));
-    const auto x_near = hn::And(hn::Le(hn::Min(hn::Min(ax, bx), cx), half_x),
-                                hn::Ge(hn::Max(hn::Max(ax, bx), cx), hn::Neg(half_x)));
-    const auto y_near = hn::And(hn::Le(hn::Min(hn::Min(ay, by), cy), half_y),
-                                hn::Ge(hn::Max(hn::Max(ay, by), cy), hn::Neg(half_y)));
-    // A ray between the lines of an edge's sides: the edge function of the line, give or take
-    // what it changes by over the width of the packet. Rays that some edge has to their left and
-    // some other to their right, all of them, pass the triangle.
-    const V u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
-    const V v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
-    const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
-    const V du = hn::Add(hn::Mul(half_x, hn::Abs(hn::Sub(cy, by))),
-                         hn::Mul(half_y, hn::Abs(hn::Sub(cx, bx))));
-    const V dv = hn::Add(hn::Mul(half_x, hn::Abs(hn::Sub(ay, cy))),
-                         hn::Mul(half_y, hn::Abs(hn::Sub(ax, cx))));
-    const V dw = hn::Add(hn::Mul(half_x, hn::Abs(hn::Sub(by, ay))),
-                         hn::Mul(half_y, hn::Abs(hn::Sub(bx, ax))));
-    const V most = hn::Min(hn::Min(hn::Add(u, du), hn::Add(v, dv)), hn::Add(w, dw));
-    const V least = hn::Max(hn::Max(hn::Sub(u, du), hn::Sub(v, dv)), hn::Sub(w, dw));
-    const auto edge_near = hn::Or(hn::Ge(most, hn::Zero(d)), hn::Le(least, hn::Zero(d)));
-    bits |= BitsOf(d, hn::And(hn::And(z_near, edge_near), hn::And(x_near, y_near)), i);
-  }
-  seen.near = bits;
-}
-
-// All triangles of a block, for a packet without a line: unused lanes repeat the first's number.
-HWY_INLINE void SeeWholeBlock(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
-  const LaneF d;
-  const LaneU du;
-  const auto first_id = hn::Set(du, block.id[0] & kIdMask);
-  std::uint32_t bits = 1;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
-    bits |= BitsOf(du, hn::Ne(hn::Load(du, block.id + i), first_id), i);
-    for (std::size_t row = 0; row < 9; ++row) {
-      const auto origin = hn::Set(d, p.origin[row % 3][0]);
-      hn::Store(hn::Sub(hn::Load(d, block.corners[row] + i), origin), d, seen.corners[row] + i);
-    }
-  }
-  seen.near = bits;
-}
-
-HWY_INLINE void Look(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
-  if (HWY_LIKELY(p.has_line)) {
-    SeeBlock(block, p, seen);
-  } else {
-    SeeWholeBlock(block, p, seen);
-  }
-}
-
-// Triangles that some lane may have hit: what the test came to, the division still to be done. The
-// determinant of a lane that is beside the triangle is zero.
-struct alignas(64) Candidates {
-  float scaled_t[kBlockTriangles][kPacketLanes];
-  float determinant[kBlockTriangles][kPacketLanes];
-  float v[kBlockTriangles][kPacketLanes], w[kBlockTriangles][kPacketLanes];
-  std::uint32_t id[kBlockTriangles];
-};
-
-// The triangles near the packet against the lanes of a group, with the same operations as for a
-// single ray. First all tests, without a branch on their outcome; then what they found, sorted by
-// distance in registers.
-template <bool kAny, bool kCommonOrigin>
-HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const SeenBlock& seen,
-                                       const ShearGroup& group, PacketState& p, Candidates& found) {
-  const LaneF d;
-  const LaneU du;
-  using V = hn::Vec<LaneF>;
-  constexpr int kRow = kBlockTriangles;
-  const int x = group.axes.x, y = group.axes.y, z = group.axes.z;
-  const float* const corners = kCommonOrigin ? &seen.corners[0][0] : &block.corners[0][0];
-  const float* const cx_row = corners + x * kRow;
-  const float* const cy_row = corners + y * kRow;
-  const float* const cz_row = corners + z * kRow;
-  const V zero = hn::Zero(d);
-  std::uint32_t hit_lanes = 0;
-  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
-    const V sx = hn::Load(d, p.shear_x + i);
-    const V sy = hn::Load(d, p.shear_y + i);
-    const V sz = hn::Load(d, p.shear_z + i);
-    V best = hn::Load(d, p.hits.t + i);
-    const V last_t = hn::Mul(best, hn::Set(d, 1.00001f));
-    const V ox = hn::Load(d, p.origin[x] + i);
-    const V oy = hn::Load(d, p.origin[y] + i);
-    const V oz = hn::Load(d, p.origin[z] + i);
-    const auto relative = [&](const float* row, std::size_t k, V origin) HWY_ATTR {
-      const V corner = hn::Set(d, row[k]);
-      return kCommonOrigin ? corner : hn::Sub(corner, origin);
-    };
-    std::size_t count = 0;
-    for (std::uint32_t near = seen.near; near != 0; near &= near - 1) {
-      const auto k = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(near));
-      const V az = relative(cz_row, k, oz);
-      const V bz = relative(cz_row, k + 3 * kRow, oz);
-      const V cz = relative(cz_row, k + 6 * kRow, oz);
-      const V ax = hn::Sub(relative(cx_row, k, ox), hn::Mul(sx, az));
-      const V ay = hn::Sub(relative(cy_row, k, oy), hn::Mul(sy, az));
-      const V bx = hn::Sub(relative(cx_row, k + 3 * kRow, ox), hn::Mul(sx, bz));
-      const V by = hn::Sub(relative(cy_row, k + 3 * kRow, oy), hn::Mul(sy, bz));
-      const V cx = hn::Sub(relative(cx_row, k + 6 * kRow, ox), hn::Mul(sx, cz));
-      const V cy = hn::Sub(relative(cy_row, k + 6 * kRow, oy), hn::Mul(sy, cz));
-      const V u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
-      const V v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
-      const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
-      const V determinant = hn::Add(hn::Add(u, v), w);
-      const V weighted_z = hn::Add(hn::Add(hn::Mul(u, az), hn::Mul(v, bz)), hn::Mul(w, cz));
-      const V scaled_t = hn::Mul(weighted_z, sz);
-      auto is_candidate =
-          hn::Or(hn::Ge(hn::Min(hn::Min(u, v), w), zero), hn::Le(hn::Max(hn::Max(u, v), w), zero));
-      if (kAny) {
-        // Most triangles near a shadow ray are the one it ends at: a first look without the
-        // division, a little too generous, saves them. In the search for the closest they are
-        // mostly hits.
-        const V forward = hn::CopySign(hn::Abs(scaled_t), hn::Xor(scaled_t, determinant));
-        const V last = hn::Mul(hn::Abs(determinant), last_t);
-        is_candidate = hn::And(is_candidate, hn::And(hn::Ge(forward, zero), hn::Le(forward, last)));
-      }
-      const V kept = hn::IfThenElseZero(is_candidate, determinant);
-      hn::Store(scaled_t, d, found.scaled_t[count]);
-      hn::Store(kept, d, found.determinant[count]);
-      hn::Store(v, d, found.v[count]);
-      hn::Store(w, d, found.w[count]);
-      found.id[count] = block.id[k] & kIdMask;
-      count += hn::AllFalse(d, is_candidate) ? 0u : 1u;
-    }
-    if (count == 0) continue;
-    V best_u = hn::Load(d, p.hits.u + i);
-    V best_v = hn::Load(d, p.hits.v + i);
-    auto primitive = hn::Load(du, p.hits.primitive + i);
-    const auto in_group = MaskOf(d, group.lanes, i);
-    std::uint32_t lanes = 0;
-    for (std::size_t c = 0; c < count; ++c) {
-      const V inverse = hn::Div(hn::Set(d, 1.0f), hn::Load(d, found.determinant[c]));
-      const V t = hn::Mul(hn::Load(d, found.scaled_t[c]), inverse);
-      const auto ids = hn::Set(du, found.id[c]);
-      // Of two primitives at the same distance the lower number wins; no primitive is the highest.
-      const auto is_lower = hn::RebindMask(
-          d, hn::And(hn::Lt(ids, primitive), hn::Ne(primitive, hn::Set(du, kNoPrimitive))));
-      const auto is_nearer = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), is_lower));
-      const auto is_hit = hn::And(hn::And(in_group, hn::Gt(t, zero)), is_nearer);
-      lanes |= BitsOf(d, is_hit, i);
-      best = hn::IfThenElse(is_hit, t, best);
-      best_u = hn::IfThenElse(is_hit, hn::Mul(hn::Load(d, found.v[c]), inverse), best_u);
-      best_v = hn::IfThenElse(is_hit, hn::Mul(hn::Load(d, found.w[c]), inverse), best_v);
-      primitive = hn::IfThenElse(hn::RebindMask(du, is_hit), ids, primitive);
-    }
-    hit_lanes |= lanes;
-    hn::Store(best, d, p.hits.t + i);
-    hn::Store(best_u, d, p.hits.u + i);
-    hn::Store(best_v, d, p.hits.v + i);
-    hn::Store(primitive, du, p.hits.primitive + i);
-  }
-  return hit_lanes;
-}
-
-// Lanes that need no further answer.
-HWY_INLINE void Retire(PacketState& p, std::uint32_t lanes) {
-  const LaneF d;
-  p.active &= ~lanes;
-  p.met |= lanes;
-  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
-    hn::Store(
-        hn::IfThenElse(MaskOf(d, lanes, i), hn::Set(d, -kInfinity), hn::Load(d, p.hits.t + i)), d,
-        p.hits.t + i);
-  }
-}
 
 // What a packet may cost per ray before it is divided: it pays only while it meets few more cells
 // and triangles than one of its rays. Few rays go on alone.
@@ -248,53 +31,6 @@ inline constexpr int kLaneBudget = 60;
 inline constexpr int kScatteredBudget = 40;
 inline constexpr int kFewSolidsBudget = 160;
 inline constexpr std::size_t kFewLanes = 4;
-inline constexpr int kBlockCost = 2;
-
-// The triangles of a block that was seen, with what follows from hits.
-template <bool kAny>
-HWY_INLINE void TestPacketBlock(const KdView& view, const TriangleBlock& block, VisibilityMask mask,
-                                SeenBlock& seen, PacketState& p, Candidates& candidates) {
-  if (HWY_UNLIKELY(view.masks != nullptr)) {
-    for (std::uint32_t near = seen.near; near != 0; near &= near - 1) {
-      const auto k = hwy::Num0BitsBelowLS1Bit_Nonzero32(near);
-      if (!view.is_visible(block.id[k] & kIdMask, mask)) seen.near &= ~(1u << k);
-    }
-  }
-  p.budget -= kBlockCost + p.group_count * static_cast<int>(hwy::PopCount(seen.near));
-  if (seen.near == 0) return;
-  std::uint32_t found = 0;
-  for (int g = 0; g < p.group_count; ++g) {
-    found |= p.common_origin ? TestTriangles<kAny, true>(block, seen, p.groups[g], p, candidates)
-                             : TestTriangles<kAny, false>(block, seen, p.groups[g], p, candidates);
-  }
-  if (found == 0) return;
-  if (kAny) Retire(p, found);
-  p.farthest = LargestLane(p.hits.t);
-}
-
-template <bool kAny>
-HWY_INLINE void TestPacketSolid(const KdView& view, std::uint32_t primitive, VisibilityMask mask,
-                                PacketState& p) {
-  if (!view.is_visible(primitive, mask)) return;
-  const std::uint32_t found = TestSolidLanes(view, primitive, p);
-  if (found == 0) return;
-  if (kAny) Retire(p, found);
-  p.farthest = LargestLane(p.hits.t);
-}
-
-template <bool kAny>
-HWY_INLINE void TestMixedPacketLeaf(const KdView& view, VisibilityMask mask, SeenBlock& seen,
-                                    PacketState& p, Candidates& candidates) {
-  const MixedLeaf& mixed = view.mixed_leaves[p.current & kIndexMask];
-  for (std::uint32_t b = 0; b < mixed.block_count; ++b) {
-    const TriangleBlock& block = view.blocks[mixed.first_block + b];
-    Look(block, p, seen);
-    TestPacketBlock<kAny>(view, block, mask, seen, p, candidates);
-  }
-  for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
-    TestPacketSolid<kAny>(view, view.solids[mixed.first_solid + s], mask, p);
-  }
-}
 
 // Packets under way at a time: most of their time they wait for memory.
 inline constexpr std::size_t kPacketsInterleaved = 8;

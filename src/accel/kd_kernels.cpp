@@ -122,6 +122,8 @@ struct ClosestSink {
   HWY_INLINE const HitPacket* found(std::size_t index) const { return hits + index; }
   // Before the lanes of a packet are answered one part after the other.
   HWY_INLINE void begin_parts(std::size_t index) { StoreNothing(hits[index]); }
+  // A packet none of whose lanes takes part.
+  HWY_INLINE void answer_nothing(std::size_t index) { StoreNothing(hits[index]); }
   HWY_INLINE std::uint32_t finish(const PacketState& p) {
     StoreAnswers(p.hits, p.is_whole ? 0xffffu : p.active, hits[p.index]);
     return p.active;
@@ -147,6 +149,7 @@ struct AnySink {
   HWY_INLINE bool answer_inside(const RayPacket&, std::size_t) { return false; }
   HWY_INLINE const HitPacket* found(std::size_t) const { return nullptr; }
   HWY_INLINE void begin_parts(std::size_t) {}
+  HWY_INLINE void answer_nothing(std::size_t) {}
   HWY_INLINE std::uint32_t finish(const PacketState& p) {
     occluded[p.index] |= p.met;
     return p.active;
@@ -163,9 +166,6 @@ struct AnySink {
 
 void PacketsClosest(const KdView& view, const RayPacket* packets, std::size_t count,
                     VisibilityMask mask, HitPacket* hits) {
-  for (std::size_t i = 0; i < count; ++i) {
-    if ((packets[i].active & 0xffffu) == 0) StoreNothing(hits[i]);
-  }
   ClosestSink sink(view, mask, hits);
   TracePackets<false>(view, packets, count, mask, sink);
   if (sink.stragglers.count > 0) sink.flush();

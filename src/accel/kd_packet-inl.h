@@ -41,8 +41,10 @@ class PacketQueue {
  public:
   PacketQueue(const RayPacket* packets, std::size_t count) : packets_(packets), count_(count) {}
 
-  // Lanes to be traced next and their packet; no lanes when there are none left.
-  HWY_INLINE std::uint32_t take(std::size_t& index) {
+  // Lanes to be traced next and their packet; no lanes when there are none left. Packets without an
+  // active lane are answered on the way.
+  template <class Sink>
+  HWY_INLINE std::uint32_t take(std::size_t& index, Sink& sink) {
     if (parts_ > 0) {
       --parts_;
       index = part_index_[parts_];
@@ -51,7 +53,8 @@ class PacketQueue {
     while (next_ < count_) {
       index = next_++;
       const std::uint32_t lanes = packets_[index].active & 0xffffu;
-      if (lanes != 0) return lanes;
+      if (HWY_LIKELY(lanes != 0)) return lanes;
+      sink.answer_nothing(index);
     }
     return 0;
   }
@@ -117,7 +120,7 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
       }
       std::size_t index = 0;
       std::uint32_t lanes = 0;
-      while ((lanes = queue.take(index)) != 0) {
+      while ((lanes = queue.take(index, sink)) != 0) {
         const bool is_whole = lanes == (packets[index].active & 0xffffu);
         if (is_whole && view.is_lonely_solid(packets[index].inside) &&
             sink.answer_inside(packets[index], index)) {
@@ -126,7 +129,7 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
         if (is_whole || hwy::PopCount(lanes) > kFewLanes) {
           StartPacket(view, packets[index], lanes, is_whole ? nullptr : sink.found(index), p);
           p.is_whole = is_whole;
-          if (HWY_LIKELY(p.apart == 0 || p.apart == lanes)) break;
+          if (HWY_LIKELY(!p.is_parted())) break;
           if (is_whole) sink.begin_parts(index);
           queue.add(index, lanes & ~p.apart);
           queue.add(index, p.apart);

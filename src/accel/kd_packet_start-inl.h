@@ -202,7 +202,8 @@ HWY_INLINE std::uint32_t SplitLanes(const KdView& view, const RayPacket& packet,
   return below & lanes;
 }
 
-// Makes some lanes of a packet ready to trace, with what they met before if that is given.
+// Makes some lanes of a packet ready to trace, with what they met before if that is given. Not when
+// some of them are better traced apart: then only p.apart says so.
 HWY_INLINE void StartPacket(const KdView& view, const RayPacket& packet, std::uint32_t lanes,
                             const HitPacket* found, PacketState& p) {
   const LaneF d;
@@ -236,6 +237,7 @@ HWY_INLINE void StartPacket(const KdView& view, const RayPacket& packet, std::ui
     longest = longest > -low_d[k] ? longest : -low_d[k];
   }
   p.has_line = FindLine(p, packet.common_origin, reach, view.triangle_count > kFewTriangles);
+  if (HWY_UNLIKELY(p.is_parted())) return;
   for (int k = 0; k < 3; ++k) {
     set_tube_axis(p.tube, k, low_o[k], high_o[k], low_d[k], high_d[k], reach, longest);
   }

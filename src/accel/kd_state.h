@@ -163,6 +163,8 @@ struct alignas(64) PacketState {
   /// Whether all was visited before the budget ran out.
   bool is_complete() const { return budget >= 0; }
   void stop() { current = kDoneChild; }
+  /// Whether `apart` divides the active lanes.
+  bool is_parted() const { return apart != 0 && apart != active; }
 
   /// Puts the block behind the current one on the stack if `more` is 1: no branch to guess.
   void push_next_block(std::uint32_t more) {

@@ -190,12 +190,25 @@ HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const SeenBlo
       const V kept = hn::IfThenElseZero(is_candidate, determinant);
       hn::Store(scaled_t, d, found.scaled_t[count]);
       hn::Store(kept, d, found.determinant[count]);
-      hn::Store(v, d, found.v[count]);
-      hn::Store(w, d, found.w[count]);
-      found.id[count] = block.id[k] & kIdMask;
+      if (!kAny) {
+        hn::Store(v, d, found.v[count]);
+        hn::Store(w, d, found.w[count]);
+        found.id[count] = block.id[k] & kIdMask;
+      }
       count += hn::AllFalse(d, is_candidate) ? 0u : 1u;
     }
     if (count == 0) continue;
+    if (kAny) {
+      // Which of them it is does not matter: the lanes are retired.
+      auto is_hit = hn::Lt(best, best);
+      for (std::size_t c = 0; c < count; ++c) {
+        const V inverse = hn::Div(hn::Set(d, 1.0f), hn::Load(d, found.determinant[c]));
+        const V t = hn::Mul(hn::Load(d, found.scaled_t[c]), inverse);
+        is_hit = hn::Or(is_hit, hn::And(hn::Gt(t, zero), hn::Lt(t, best)));
+      }
+      hit_lanes |= BitsOf(d, is_hit, i) & group.lanes;
+      continue;
+    }
     V best_u = hn::Load(d, p.hits.u + i);
     V best_v = hn::Load(d, p.hits.v + i);
     auto primitive = hn::Load(du, p.hits.primitive + i);

@@ -9,6 +9,7 @@
 #define ABBE_ACCEL_KD_PACKET_INL_H_
 #endif
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "accel/kd_lanes-inl.h"
@@ -35,6 +36,9 @@ inline constexpr std::size_t kFewLanes = 4;
 // Packets under way at a time: most of their time they wait for memory.
 inline constexpr std::size_t kPacketsInterleaved = 8;
 
+// So many packets ahead the rays are fetched, which are only read when their packet starts.
+inline constexpr std::size_t kPacketsAhead = 4;
+
 // Lanes of packets still to be traced. Each division takes one away and adds two, at most fifteen
 // times for a packet.
 class PacketQueue {
@@ -52,6 +56,7 @@ class PacketQueue {
     }
     while (next_ < count_) {
       index = next_++;
+      if (next_ + kPacketsAhead < count_) fetch(packets_[next_ + kPacketsAhead]);
       const std::uint32_t lanes = packets_[index].active & 0xffffu;
       if (HWY_LIKELY(lanes != 0)) return lanes;
       sink.answer_nothing(index);
@@ -66,6 +71,11 @@ class PacketQueue {
   }
 
  private:
+  HWY_INLINE static void fetch(const RayPacket& packet) {
+    const char* const bytes = reinterpret_cast<const char*>(&packet);
+    for (std::size_t i = 0; i < sizeof(RayPacket); i += 64) hwy::Prefetch(bytes + i);
+  }
+
   const RayPacket* packets_;
   std::size_t count_;
   std::size_t next_ = 0;

@@ -85,9 +85,7 @@ Probed probe_pixel(const World& world, const Camera& camera, const RenderSetting
   Probed probed;
   const std::optional<Vec2f> place = sample ? std::nullopt : std::optional(Vec2f(0.0f));
   probed.sample = camera_sample(world, camera, settings, pixel, sample.value_or(0), place);
-  const IntegratorSettings integrator{.max_depth = settings.max_depth,
-                                      .cutoff = static_cast<float>(settings.cutoff),
-                                      .drop = settings.drop};
+  const IntegratorSettings integrator = integrator_settings(settings);
   std::vector<float> radiance(static_cast<std::size_t>(world.lanes.lane_stride()));
   IntegratorStats stats;
   IntegratorScratch scratch;

@@ -90,6 +90,14 @@ double Filter::value(double offset_px) const {
   return std::abs(offset_px) > radius_px_ ? 0.0 : scale_ * shape(offset_px);
 }
 
+double Filter::share_below(double offset_px) const {
+  const double cells = std::min(std::abs(offset_px) / radius_px_, 1.0) * kCells;
+  const auto cell = std::min(static_cast<std::size_t>(cells), kCells - 1);
+  const double part = cells - static_cast<double>(cell);
+  const double inner = cumulated_[cell] + part * (cumulated_[cell + 1] - cumulated_[cell]);
+  return 0.5 + std::copysign(0.5 * inner, offset_px);
+}
+
 // The offset in [0, radius] below which the share u of |f| lies.
 double Filter::offset_of(double u) const {
   const auto above = std::upper_bound(cumulated_.begin() + 1, cumulated_.end() - 1, u);

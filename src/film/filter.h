@@ -31,6 +31,10 @@ class Filter {
   /// f along one axis, with ∫f = 1; 0 outside the radius.
   double value(double offset_px) const;
 
+  /// ∫f below an offset. Domain: filters that are never negative.
+  double share_below(double offset_px) const;
+  bool is_negative_anywhere() const { return weight_magnitude_ > 1.0f; }
+
   const std::string& name() const { return name_; }
   float radius_px() const { return static_cast<float>(radius_px_); }
   /// ∫|f|/∫f over the plane: 1 where the filter is never negative.

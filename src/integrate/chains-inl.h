@@ -13,6 +13,7 @@
 #include <cstddef>
 
 #include "integrate/lanes-inl.h"
+#include "integrate/lit_pixel-inl.h"
 #include "integrate/shading.h"
 #include "optics/fresnel-inl.h"
 #include "world/world.h"
@@ -41,10 +42,14 @@ inline bool may_light(const Chain& chain, const Vec3f& center, float radius_m) {
 }
 
 /// Parallel light on a chain: fills directions to the light, distances to the last facet, and the
-/// irradiance across them, 0 in lanes that are not lit. Returns whether any lane is.
+/// irradiance across them, 0 in lanes that are not lit. Returns whether any lane is. The light is
+/// the mean over a pixel about each place, each plane of the lit prism taken along the side that it
+/// cuts more squarely. The geometry is that of the lit place nearest to each, so that what stands
+/// in the way is asked where the samples are.
 template <class D>
 HWY_INLINE bool LightOnChain(D d, const World& world, const Chain& chain, int set,
-                             const LaneArray3& positions, LightGeometry& geometry, ChainWay& way) {
+                             const LaneArray3& positions, const PixelOnSurface& pixel,
+                             LightGeometry& geometry, ChainWay& way) {
   const auto zero = hn::Zero(d);
   const int stride = world.lanes.lane_stride();
   const std::size_t step_count = chain.steps.size();
@@ -57,18 +62,28 @@ HWY_INLINE bool LightOnChain(D d, const World& world, const Chain& chain, int se
     return Vec3Of<D>{hn::LoadU(d, arrays + i), hn::LoadU(d, arrays + stride + i),
                      hn::LoadU(d, arrays + 2 * stride + i)};
   };
-  const auto minus_one = hn::Set(d, -1.0f);
   const auto one = hn::Set(d, 1.0f);
+  const auto side_x = Set3(d, pixel.sides[0]);
+  const auto side_y = Set3(d, pixel.sides[1]);
+  const Vec3f to_pixel = pixel.shift - chain.origin;
   bool any = false;
   for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
-    auto place = Combine3(d, one, Load3(d, positions, i), minus_one, Set3(d, chain.origin));
+    auto place = Combine3(d, one, Load3(d, positions, i), one, Set3(d, to_pixel));
     const auto weight = hn::LoadU(d, rows + i);
     auto lit = hn::Gt(weight, zero);
+    LitPart<D> part_x(d, pixel), part_y(d, pixel);
     for (int side = 0; side < chain.side_count && !hn::AllFalse(d, lit); ++side) {
       const float* plane = sides + static_cast<std::size_t>(side) * 4 * stride;
-      const auto height =
-          hn::Add(Dot3(d, load_vector(plane, i), place), hn::LoadU(d, plane + 3 * stride + i));
-      lit = hn::And(lit, hn::Ge(height, zero));
+      const auto normal = load_vector(plane, i);
+      const auto height = hn::Add(Dot3(d, normal, place), hn::LoadU(d, plane + 3 * stride + i));
+      const auto rise_x = Dot3(d, normal, side_x);
+      const auto rise_y = Dot3(d, normal, side_y);
+      const auto is_flat = hn::Eq(hn::Max(hn::Abs(rise_x), hn::Abs(rise_y)), zero);
+      const auto by_x = hn::Ge(hn::Abs(rise_x), hn::Abs(rise_y));
+      part_x.clip(d, hn::AndNot(is_flat, by_x), height, rise_x);
+      part_y.clip(d, hn::Not(by_x), height, rise_y);
+      lit = hn::And(lit, hn::Or(hn::AndNot(is_flat, hn::And(part_x.is_there(), part_y.is_there())),
+                                hn::And(is_flat, hn::Ge(height, zero))));
     }
     if (hn::AllFalse(d, lit)) {
       hn::Store(zero, d, geometry.irradiance.v + i);
@@ -77,7 +92,10 @@ HWY_INLINE bool LightOnChain(D d, const World& world, const Chain& chain, int se
       continue;
     }
     any = true;
-    auto irradiance = hn::Mul(weight, hn::LoadU(d, light_row + i));
+    const auto share = hn::Mul(part_x.share(d, pixel), part_y.share(d, pixel));
+    auto irradiance = hn::Mul(hn::Mul(weight, share), hn::LoadU(d, light_row + i));
+    place = Combine3(d, one, place, part_x.nearest(d, pixel.offset_px.x), side_x);
+    place = Combine3(d, one, place, part_y.nearest(d, pixel.offset_px.y), side_y);
     auto size = hn::Add(hn::Abs(place.x), hn::Add(hn::Abs(place.y), hn::Abs(place.z)));
     auto fog_way = zero;
     for (std::size_t s = step_count; s-- > 0;) {

@@ -26,9 +26,10 @@ namespace HWY_NAMESPACE {
 template <class D>
 class DirectLight {
  public:
-  DirectLight(const World& world, std::span<const CameraSample> samples,
+  DirectLight(const World& world, const PixelKernel& kernel, std::span<const CameraSample> samples,
               const IntegratorScratch::Buffers& buffers, ShadowQueue<D>& shadows)
       : world_(world),
+        kernel_(kernel),
         samples_(samples),
         b_(buffers),
         shadows_(shadows),
@@ -89,13 +90,18 @@ class DirectLight {
         }
       }
     }
+    PixelOnSurface pixel;
+    if (fan.depth == 0 && !fan.spread) {
+      pixel = pixel_on_surface(samples_[fan.sample], kernel_,
+                               fan.path_length_m + b_.at.distance_m[0], b_.at.outward.get(0));
+    }
     for (const Chain& chain : world_.chains) {
-      if (!may_light(chain, center, radius_m)) continue;
+      if (!may_light(chain, center, radius_m + pixel.reach_m)) continue;
       if (chain.ends_inside &&
           (fan.media.empty() || fan.media.top() != chain.steps.back().material)) {
         continue;
       }
-      if (!LightOnChain(d, world_, chain, set, b_.at.position, to_light_, way_)) continue;
+      if (!LightOnChain(d, world_, chain, set, b_.at.position, pixel, to_light_, way_)) continue;
       send_arrived(chain, fan, lanes, material, rows, shading, rough, record_number);
     }
     for (const PointChainGroup& group : world_.point_chains.groups) {
@@ -160,6 +166,7 @@ class DirectLight {
   }
 
   const World& world_;
+  const PixelKernel& kernel_;
   std::span<const CameraSample> samples_;
   const IntegratorScratch::Buffers& b_;
   ShadowQueue<D>& shadows_;

@@ -13,6 +13,22 @@
 
 namespace abbe {
 
+/// The filter of a film along one axis, for light that is averaged over it in closed form.
+struct PixelKernel {
+  static constexpr int kCells = 64;
+  float radius_px = 0.0f;  ///< 0: nothing is averaged.
+  /// The integral of the filter from its left end, at equidistant places up to the right end: from
+  /// 0 to 1, never falling.
+  std::array<float, kCells + 1> cumulated = box();
+
+  static constexpr std::array<float, kCells + 1> box() {
+    std::array<float, kCells + 1> line{};
+    for (int i = 0; i <= kCells; ++i)
+      line[static_cast<std::size_t>(i)] = static_cast<float>(i) / kCells;
+    return line;
+  }
+};
+
 struct IntegratorSettings {
   int max_depth = 16;    ///< Most surfaces a path may leave.
   float cutoff = 1e-4f;  ///< Weight below which a fan no longer branches, 0 to branch always.
@@ -25,6 +41,7 @@ struct IntegratorSettings {
   /// Source: Evans & McCool, Stratified wavelength clusters for efficient spectral Monte Carlo
   ///         rendering, Graphics Interface 1999.
   int cluster_lanes = 0;
+  PixelKernel kernel = {};  ///< What the camera samples of a pixel are drawn from.
 };
 
 /// Fans that are traced and shaded together.
@@ -44,9 +61,15 @@ struct CameraSample {
   Vec3f direction{0.0f, 0.0f, -1.0f};  ///< Unit length.
   float footprint_m = 0.0f;            ///< Width of the pixel's beam at the origin.
   float footprint_per_m = 0.0f;        ///< Growth of that width with distance.
-  int set = 0;                         ///< Wavelength set.
-  std::uint32_t seed = 0;              ///< Its random numbers; own to the sample.
-  float u_fog = 0.5f;  ///< In [0, 1): place in fog, stratified over the samples of a pixel.
+  // For what can be averaged over the pixel: how origin and direction change per pixel to the right
+  // and down, and where on the film the ray goes, seen from the pixel's centre. All zero: nothing
+  // is averaged.
+  std::array<Vec3f, 2> origin_per_px{Vec3f(0.0f), Vec3f(0.0f)};
+  std::array<Vec3f, 2> direction_per_px{Vec3f(0.0f), Vec3f(0.0f)};
+  Vec2f offset_px{0.0f};
+  int set = 0;             ///< Wavelength set.
+  std::uint32_t seed = 0;  ///< Its random numbers; own to the sample.
+  float u_fog = 0.5f;      ///< In [0, 1): place in fog, stratified over the samples of a pixel.
 };
 
 /// What a camera ray met first, for extra channels.

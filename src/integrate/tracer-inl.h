@@ -46,7 +46,7 @@ class Tracer {
         b_(buffers),
         recorder_(world, samples, recorder),
         shadows_(world, samples, stats, buffers, recorder_),
-        lamps_(world, samples, buffers, shadows_),
+        lamps_(world, settings.kernel, samples, buffers, shadows_),
         fog_(world, samples, shadows_),
         layers_(layers),
         stride_(world.lanes.lane_stride()),

@@ -14,7 +14,7 @@ class CameraRays {
  public:
   CameraRays(const Camera& camera, const Vec2i& size);
 
-  /// Fills origin, direction and footprint for a place on the film.
+  /// Fills origin, direction, footprint and their change per pixel for a place on the film.
   /// Units:  pixels from the upper left corner of the image; y downwards.
   void aim(const Vec2d& film_px, CameraSample& sample) const;
 

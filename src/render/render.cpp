@@ -63,6 +63,7 @@ class SampleSource {
     FilterSample place = filter_.sample(centred(scrambled_sobol_2d(index, 1, hash)));
     if (offset_px) place.offset_px = *offset_px;
     *weight = place.weight;
+    sample.offset_px = place.offset_px;
     rays_.aim(Vec2d(pixel) + 0.5 + Vec2d(place.offset_px), sample);
     return sample;
   }
@@ -155,12 +156,7 @@ class Renderer {
         settings_(settings),
         source_(world, camera, settings),
         film_(film_options(settings, source_.filter())),
-        integrator_{.max_depth = settings.max_depth,
-                    .cutoff = static_cast<float>(settings.cutoff),
-                    .drop = settings.drop,
-                    .counts_cost = std::find(settings.aovs.begin(), settings.aovs.end(), "cost") !=
-                                   settings.aovs.end(),
-                    .cluster_lanes = settings.cluster_lanes},
+        integrator_(integrator_settings(settings)),
         eye_(Vec3d(camera.to_world[3])),
         forward_(-glm::normalize(Vec3d(camera.to_world[2]))) {
     for (const std::string& group : settings.aovs) {
@@ -334,7 +330,31 @@ class Renderer {
   bool has_spectral_albedo_ = false;
 };
 
+// The filter along one axis; with negative lobes it leaves the average to the samples, for no light
+// is less than none.
+PixelKernel kernel_of(const Filter& filter) {
+  PixelKernel kernel;
+  if (filter.is_negative_anywhere()) return kernel;
+  kernel.radius_px = filter.radius_px();
+  for (int i = 0; i <= PixelKernel::kCells; ++i) {
+    const double place = 2.0 * i / PixelKernel::kCells - 1.0;
+    kernel.cumulated[static_cast<std::size_t>(i)] =
+        static_cast<float>(filter.share_below(place * kernel.radius_px));
+  }
+  return kernel;
+}
+
 }  // namespace
+
+IntegratorSettings integrator_settings(const RenderSettings& settings) {
+  return {.max_depth = settings.max_depth,
+          .cutoff = static_cast<float>(settings.cutoff),
+          .drop = settings.drop,
+          .counts_cost =
+              std::find(settings.aovs.begin(), settings.aovs.end(), "cost") != settings.aovs.end(),
+          .cluster_lanes = settings.cluster_lanes,
+          .kernel = kernel_of(Filter::named(settings.filter))};
+}
 
 RenderResult render(const World& world, const Camera& camera, const RenderSettings& settings,
                     const ProgressCallback& progress, const CancelFlag* cancel) {

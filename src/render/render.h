@@ -32,6 +32,9 @@ struct RenderResult {
 RenderResult render(const World& world, const Camera& camera, const RenderSettings& settings,
                     const ProgressCallback& progress = {}, const CancelFlag* cancel = nullptr);
 
+/// How render() integrates the light of camera samples.
+IntegratorSettings integrator_settings(const RenderSettings& settings);
+
 /// The camera sample of a pixel, as render() draws it. `offset_px` overrides the filter's offset.
 CameraSample camera_sample(const World& world, const Camera& camera, const RenderSettings& settings,
                            const Vec2i& pixel, std::uint32_t sample,

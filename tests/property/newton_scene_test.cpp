@@ -7,9 +7,11 @@
 
 #include "base/constants.h"
 #include "image/exr.h"
+#include "load/gltf.h"
 #include "optics/dispersion.h"
 #include "optics/fresnel.h"
 #include "optics/snell.h"
+#include "support/image_difference.h"
 #include "support/newton.h"
 #include "support/scene_builder.h"
 
@@ -132,6 +134,53 @@ TEST(NewtonScene, no_pixel_exceeds_the_exact_maximum_and_two_seeds_agree) {
   EXPECT_GT(inside, 20);
   EXPECT_LE(static_cast<double>(highest), 1.02 * most);
   EXPECT_GE(static_cast<double>(highest), 0.98 * most);
+}
+
+TEST(NewtonScene, one_sample_a_pixel_finds_the_share_of_it_that_is_lit) {
+  const Newton n = newton("glass/schott/N-SF11");
+  RenderSettings settings;
+  settings.size = n.size;
+  settings.samples_per_pixel = 1;
+  settings.filter = "box";
+  settings.wavelengths.exact_nm = {kLine_d_nm};
+  const Image image = test::render(n.scene, settings).image;
+  const std::string channel = spectral_channel_name(kLine_d_nm);
+  const double middle_px = 0.5 * n.size.x + land(n, kLine_d_nm).x_m / n.pixel_m;
+  // At minimum deviation the beam leaves as wide as it came, and the screen stands square to it.
+  const double half_px = 0.5 * kBeamWidth_m / n.pixel_m;
+  const int row = n.size.y / 2;
+  const float full = test::pixel(image, static_cast<int>(middle_px), row, channel);
+  for (int x = 0; x < n.size.x; ++x) {
+    const double lit = std::max(
+        0.0, std::min(x + 1.0, middle_px + half_px) - std::max<double>(x, middle_px - half_px));
+    // Heights of single precision at half a metre: 1e-7 m of a pixel's 5e-4.
+    EXPECT_NEAR(test::pixel(image, x, row, channel) / full, lit, 1e-3) << x;
+  }
+}
+
+// Only antialiasing of what stands there and the shift of the wavelengths are left to chance.
+TEST(NewtonScene, spectra_of_two_seeds_look_the_same_at_64_samples) {
+  const Newton n = newton("glass/schott/N-SF11");
+  RenderSettings settings;
+  settings.size = n.size;
+  settings.samples_per_pixel = 64;
+  const Image first = test::render(n.scene, settings).image;
+  settings.seed = 5;
+  EXPECT_LT(test::mean_delta_e2000(first, test::render(n.scene, settings).image), 0.05);
+}
+
+TEST(NewtonScene, screen_of_the_picture_has_no_noise_that_is_seen_even_through_fog) {
+  Notes notes;
+  const Scene scene =
+      load_gltf(std::filesystem::path(ABBE_SOURCE_DIR) / "scenes/newton/newton.gltf",
+                test::catalogue(), {}, notes);
+  RenderSettings settings;
+  settings.size = {240, 135};
+  settings.samples_per_pixel = 64;
+  settings.crop = PixelRect{94, 6, 166, 50};  // The screen without its edges.
+  const Image first = test::render(scene, settings).image;
+  settings.seed = 5;
+  EXPECT_LT(test::mean_delta_e2000(first, test::render(scene, settings).image), 0.05);
 }
 
 }  // namespace

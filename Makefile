@@ -56,9 +56,10 @@ test-sanitize: deps-test ## Runs every test under the address and undefined-beha
 bench: deps-bench ## Runs the benchmarks: ratios, measured in one run, to out/bench*.json.
 	$(CONFIGURE) -DABBE_BUILD_TESTS=ON -DABBE_BUILD_BENCHMARKS=ON
 	cmake --build $(BUILD) --parallel $(JOBS) --target abbe_bench abbe_render_bench \
-	  abbe_uplift_bench
+	  abbe_exact_bench abbe_uplift_bench
 	$(BUILD)/tests/bench/abbe_bench
 	$(BUILD)/tests/bench/abbe_render_bench --povray
+	$(BUILD)/tests/bench/abbe_exact_bench
 	$(BUILD)/tests/bench/abbe_uplift_bench
 
 bless: build ## Renews golden images: make bless CASE=prism_spectral; prints the measured difference.

@@ -17,12 +17,12 @@
 namespace abbe::bench {
 namespace {
 
-Subject newton_without_fog() {
+Subject newton(bool has_fog) {
   Notes notes;
   SceneOptions options;
   options.file = ABBE_SOURCE_DIR "/scenes/newton/newton.gltf";
   PreparedScene prepared = prepare_scene(options, test::catalogue(), notes);
-  prepared.scene.fog.reset();
+  if (!has_fog) prepared.scene.fog.reset();
   return {"newton", prepared.scene, prepared.chosen_camera()};
 }
 
@@ -57,14 +57,17 @@ int run(int argc, char** argv) {
   apply_isa_from_environment();
   Bench bench(repeats, out);
   bench.json()["isa"] = isa_level();
-  const Subject newton = newton_without_fog();
+  const Subject clear = newton(false);
+  const Subject foggy = newton(true);
   const RenderSettings picture = settings_of(Mode::Spectral, {320, 180}, 4);
   bench.compare("newton_off", "newton without fog: exact over off",
-                {job("exact", newton, picture), job("off", newton, without_caustics(picture))});
+                {job("exact", clear, picture), job("off", clear, without_caustics(picture))});
   RenderSettings few = picture;
   few.wavelengths.count = 4;
   bench.compare("newton_wavelengths", "newton without fog: 16 wavelengths over 4",
-                {job("16", newton, picture), job("4", newton, few)});
+                {job("16", clear, picture), job("4", clear, few)});
+  bench.compare("newton_fog", "newton: fog over no fog",
+                {job("fog", foggy, picture), job("clear", clear, picture)});
   const std::array<ConvexShape, 3> gems = {test::single_cut(), test::simple_brilliant(),
                                            test::brilliant()};
   const RenderSettings floor = settings_of(Mode::Spectral, {48, 48}, 4);

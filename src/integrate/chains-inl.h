@@ -76,6 +76,10 @@ HWY_INLINE bool LightOnChain(D d, const World& world, const Chain& chain, int se
       const float* plane = sides + static_cast<std::size_t>(side) * 4 * stride;
       const auto normal = load_vector(plane, i);
       const auto height = hn::Add(Dot3(d, normal, place), hn::LoadU(d, plane + 3 * stride + i));
+      if (pixel.is_point()) {
+        lit = hn::And(lit, hn::Ge(height, zero));
+        continue;
+      }
       const auto rise_x = Dot3(d, normal, side_x);
       const auto rise_y = Dot3(d, normal, side_y);
       const auto is_flat = hn::Eq(hn::Max(hn::Abs(rise_x), hn::Abs(rise_y)), zero);
@@ -92,10 +96,13 @@ HWY_INLINE bool LightOnChain(D d, const World& world, const Chain& chain, int se
       continue;
     }
     any = true;
-    const auto share = hn::Mul(part_x.share(d, pixel), part_y.share(d, pixel));
-    auto irradiance = hn::Mul(hn::Mul(weight, share), hn::LoadU(d, light_row + i));
-    place = Combine3(d, one, place, part_x.nearest(d, pixel.offset_px.x), side_x);
-    place = Combine3(d, one, place, part_y.nearest(d, pixel.offset_px.y), side_y);
+    auto irradiance = hn::Mul(weight, hn::LoadU(d, light_row + i));
+    if (!pixel.is_point()) {
+      const auto share = hn::Mul(part_x.share(d, pixel), part_y.share(d, pixel));
+      irradiance = hn::Mul(irradiance, share);
+      place = Combine3(d, one, place, part_x.nearest(d, pixel.offset_px.x), side_x);
+      place = Combine3(d, one, place, part_y.nearest(d, pixel.offset_px.y), side_y);
+    }
     auto size = hn::Add(hn::Abs(place.x), hn::Add(hn::Abs(place.y), hn::Abs(place.z)));
     auto fog_way = zero;
     for (std::size_t s = step_count; s-- > 0;) {

@@ -62,8 +62,8 @@ class FogLight {
       for (int piece = 0; piece < pieces(fan); ++piece) {
         take_depth(true, place_of(fan, piece));
         place_fog(fan, set);
-        if (!LightOnChain(d, world_, chain, set, fog_.places, PixelOnSurface{}, to_light_, way_))
-          continue;
+        constexpr PixelOnSurface kPoint;
+        if (!LightOnChain(d, world_, chain, set, fog_.places, kPoint, to_light_, way_)) continue;
         send_arrived(chain, fan, lanes);
       }
     }

@@ -19,14 +19,7 @@ struct PixelKernel {
   float radius_px = 0.0f;  ///< 0: nothing is averaged.
   /// The integral of the filter from its left end, at equidistant places up to the right end: from
   /// 0 to 1, never falling.
-  std::array<float, kCells + 1> cumulated = box();
-
-  static constexpr std::array<float, kCells + 1> box() {
-    std::array<float, kCells + 1> line{};
-    for (int i = 0; i <= kCells; ++i)
-      line[static_cast<std::size_t>(i)] = static_cast<float>(i) / kCells;
-    return line;
-  }
+  std::array<float, kCells + 1> cumulated{};
 };
 
 struct IntegratorSettings {

@@ -20,19 +20,19 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
-// A place that is no pixel's is lit or not: any kernel does.
-inline constexpr PixelKernel kPointKernel;
-
 /// A part of a plane that light is averaged over: `shift` from a place to its middle, and its
 /// sides. A wavelength is lit or not at a place, so that the few samples of a pixel would find a
 /// colour of a spectrum or miss it by chance; over the pixel it has a share, and chance has none.
 struct PixelOnSurface {
   Vec3f shift{0.0f};
   Vec2f offset_px{0.0f};                                 ///< Of the place from the middle.
-  std::array<Vec3f, 2> sides{Vec3f(0.0f), Vec3f(0.0f)};  ///< Of a pixel; both zero: a point.
+  std::array<Vec3f, 2> sides{Vec3f(0.0f), Vec3f(0.0f)};  ///< Of a pixel.
   float reach_m = 0.0f;                                  ///< From the place to its farthest corner.
-  float radius_px = 0.5f;  ///< The kernel reaches so many times the sides to both sides.
-  const float* cumulated = kPointKernel.cumulated.data();  ///< PixelKernel::cumulated.
+  float radius_px = 0.0f;            ///< The kernel reaches so many times the sides to both sides.
+  const float* cumulated = nullptr;  ///< PixelKernel::cumulated.
+
+  /// Whether there is nothing to average over: a place is lit or not.
+  bool is_point() const { return radius_px == 0.0f; }
 };
 
 /// The pixel of a camera sample on the plane in which its ray ends. Units: metres.
@@ -44,13 +44,14 @@ inline PixelOnSurface pixel_on_surface(const CameraSample& sample, const PixelKe
   pixel.offset_px = sample.offset_px;
   pixel.radius_px = kernel.radius_px;
   pixel.cumulated = kernel.cumulated.data();
-  // Where the plane is seen edge-on its pixels are longer than what they show of it.
+  // Where the plane is seen edge-on its pixels are cut short: they would be longer than what is
+  // there of it.
   constexpr float kLeastFacing = 0.05f;
   const float facing = glm::dot(sample.direction, normal);
   const float divisor = std::copysign(std::max(std::abs(facing), kLeastFacing), facing);
   for (std::size_t k = 0; k < 2; ++k) {
     const Vec3f moved = sample.origin_per_px[k] + distance_m * sample.direction_per_px[k];
-    const Vec3f on_plane = moved - (glm::dot(moved, normal) / divisor) * sample.direction;
+    const Vec3f on_plane = (facing * moved - glm::dot(moved, normal) * sample.direction) / divisor;
     pixel.shift -= sample.offset_px[static_cast<int>(k)] * on_plane;
     pixel.sides[k] = on_plane;
     pixel.reach_m += kernel.radius_px * glm::length(on_plane);

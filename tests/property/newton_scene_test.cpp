@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "base/constants.h"
 #include "image/exr.h"
@@ -46,15 +48,21 @@ Landing land(const Newton& n, double wavelength_nm) {
               fresnel_at(inside, n.normal_out, 1.0 / index)};
 }
 
+/// A picture of single lines, averaged over pixels.
+RenderSettings settings_of_lines(const Newton& n, int samples, std::vector<double> lines_nm) {
+  RenderSettings settings;
+  settings.size = n.size;
+  settings.samples_per_pixel = samples;
+  settings.filter = "box";
+  settings.wavelengths.exact_nm = std::move(lines_nm);
+  return settings;
+}
+
 class NewtonSpectrum : public testing::TestWithParam<const char*> {};
 
 TEST_P(NewtonSpectrum, lines_lie_where_snell_puts_them_with_the_light_that_fresnel_leaves) {
   const Newton n = newton(GetParam());
-  RenderSettings settings;
-  settings.size = n.size;
-  settings.samples_per_pixel = 16;
-  settings.filter = "box";
-  settings.wavelengths.exact_nm = {kLineF_nm, kLine_d_nm, kLineC_nm};
+  const RenderSettings settings = settings_of_lines(n, 16, {kLineF_nm, kLine_d_nm, kLineC_nm});
   const Image image = test::render(n.scene, settings).image;
 
   // The lamp straight on a screen gives the radiance that stands for its full irradiance.
@@ -96,11 +104,7 @@ INSTANTIATE_TEST_SUITE_P(glasses, NewtonSpectrum,
 
 TEST(NewtonScene, no_pixel_exceeds_the_exact_maximum_and_two_seeds_agree) {
   const Newton n = newton("glass/schott/N-SF11");
-  RenderSettings settings;
-  settings.size = n.size;
-  settings.samples_per_pixel = 16;
-  settings.filter = "box";
-  settings.wavelengths.exact_nm = {kLine_d_nm};
+  RenderSettings settings = settings_of_lines(n, 16, {kLine_d_nm});
   const World world = test::make_world(n.scene, settings);
   const Image first = render(world, n.scene.cameras.front(), settings).image;
   settings.seed = 5;
@@ -138,11 +142,7 @@ TEST(NewtonScene, no_pixel_exceeds_the_exact_maximum_and_two_seeds_agree) {
 
 TEST(NewtonScene, one_sample_a_pixel_finds_the_share_of_it_that_is_lit) {
   const Newton n = newton("glass/schott/N-SF11");
-  RenderSettings settings;
-  settings.size = n.size;
-  settings.samples_per_pixel = 1;
-  settings.filter = "box";
-  settings.wavelengths.exact_nm = {kLine_d_nm};
+  const RenderSettings settings = settings_of_lines(n, 1, {kLine_d_nm});
   const Image image = test::render(n.scene, settings).image;
   const std::string channel = spectral_channel_name(kLine_d_nm);
   const double middle_px = 0.5 * n.size.x + land(n, kLine_d_nm).x_m / n.pixel_m;

@@ -27,17 +27,19 @@ struct alignas(64) WideNode {
 static_assert(sizeof(WideNode) == 64);
 
 inline constexpr int kBlockTriangles = 16;
+inline constexpr int kBlockVertices = 16;
 
-/// Sixteen triangles in SIMD layout. Unused lanes repeat one corner of lane 0 three times, which no
-/// ray meets. Bit 31 of id[0] says that the leaf has a further block behind this one.
+/// Up to sixteen triangles in SIMD layout over up to sixteen vertices that they share: half the
+/// memory of separate corners, and each vertex is moved and sheared once for all its triangles.
+/// Unused triangles have three times the same corner, which no ray meets.
 struct alignas(64) TriangleBlock {
-  float corners[9][kBlockTriangles];  ///< x, y, z of the first corner, then of the second, third.
-  std::uint32_t id[kBlockTriangles];
+  float vertices[3][kBlockVertices];         ///< Rows of x, y and z.
+  std::uint8_t corners[3][kBlockTriangles];  ///< Numbers of the vertices of each triangle.
+  std::uint8_t triangle_count;
+  std::uint8_t has_next;  ///< 1 if the leaf has a further block behind this one, else 0.
+  alignas(64) std::uint32_t id[kBlockTriangles];
 };
-static_assert(sizeof(TriangleBlock) == 640);
-
-inline constexpr std::uint32_t kMoreBlocksBit = 0x80000000u;
-inline constexpr std::uint32_t kIdMask = 0x7fffffffu;
+static_assert(sizeof(TriangleBlock) == 320);
 
 /// A leaf that holds solids, and perhaps triangles too.
 struct MixedLeaf {

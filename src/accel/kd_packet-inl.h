@@ -189,7 +189,7 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
         if (HWY_LIKELY((p.current & kMixedBit) == 0)) {
           const TriangleBlock& block = view.blocks[p.current & kIndexMask];
           TestPacketBlock<kAny>(view, block, mask, seen[s], p, candidates);
-          p.push_next_block(block.id[0] >> 31);
+          p.push_next_block(block.has_next);
         } else {
           TestMixedPacketLeaf<kAny>(view, mask, seen[s], p, candidates);
         }

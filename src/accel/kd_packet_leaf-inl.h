@@ -22,51 +22,44 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // A block as seen from the line of a packet.
 struct alignas(64) SeenBlock {
-  float corners[9][kBlockTriangles];  ///< Relative to the origin of the line.
+  float vertices[3][kBlockVertices];  ///< Relative to the origin of the line.
   std::uint32_t near;                 ///< The triangles that the packet's rays may meet.
 };
 
 HWY_INLINE void SeeBlock(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
   const LaneF d;
   using V = hn::Vec<LaneF>;
-  const float* const row_x = block.corners[p.axes.x];
-  const float* const row_y = block.corners[p.axes.y];
-  const float* const row_z = block.corners[p.axes.z];
-  constexpr int kCorner = 3 * kBlockTriangles;
+  const float* const row_x = block.vertices[p.axes.x];
+  const float* const row_y = block.vertices[p.axes.y];
+  const float* const row_z = block.vertices[p.axes.z];
   const V lx = hn::Set(d, p.line_x), ly = hn::Set(d, p.line_y), lz = hn::Set(d, p.line_z);
   const V sx = hn::Set(d, p.line_shear_x), sy = hn::Set(d, p.line_shear_y);
   const float depth = p.farthest * p.longest_z + p.half_z;
   const V first_z = hn::Set(d, p.is_z_positive ? -p.half_z : -depth);
   const V last_z = hn::Set(d, p.is_z_positive ? depth : p.half_z);
-  float* const to_x = seen.corners[p.axes.x];
-  float* const to_y = seen.corners[p.axes.y];
-  float* const to_z = seen.corners[p.axes.z];
+  float* const to_x = seen.vertices[p.axes.x];
+  float* const to_y = seen.vertices[p.axes.y];
+  float* const to_z = seen.vertices[p.axes.z];
+  VertexRow xs, ys, zs;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockVertices); i += hn::Lanes(d)) {
+    const V x = hn::Sub(hn::Load(d, row_x + i), lx);
+    const V y = hn::Sub(hn::Load(d, row_y + i), ly);
+    const V z = hn::Sub(hn::Load(d, row_z + i), lz);
+    hn::Store(x, d, to_x + i);
+    hn::Store(y, d, to_y + i);
+    hn::Store(z, d, to_z + i);
+    xs.set(i, hn::Sub(x, hn::Mul(sx, z)));
+    ys.set(i, hn::Sub(y, hn::Mul(sy, z)));
+    zs.set(i, z);
+  }
   std::uint32_t bits = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
-    const V az = hn::Sub(hn::Load(d, row_z + i), lz);
-    const V bz = hn::Sub(hn::Load(d, row_z + kCorner + i), lz);
-    const V cz = hn::Sub(hn::Load(d, row_z + 2 * kCorner + i), lz);
-    const V afx = hn::Sub(hn::Load(d, row_x + i), lx);
-    const V afy = hn::Sub(hn::Load(d, row_y + i), ly);
-    const V bfx = hn::Sub(hn::Load(d, row_x + kCorner + i), lx);
-    const V bfy = hn::Sub(hn::Load(d, row_y + kCorner + i), ly);
-    const V cfx = hn::Sub(hn::Load(d, row_x + 2 * kCorner + i), lx);
-    const V cfy = hn::Sub(hn::Load(d, row_y + 2 * kCorner + i), ly);
-    hn::Store(afx, d, to_x + i);
-    hn::Store(afy, d, to_y + i);
-    hn::Store(az, d, to_z + i);
-    hn::Store(bfx, d, to_x + kCorner + i);
-    hn::Store(bfy, d, to_y + kCorner + i);
-    hn::Store(bz, d, to_z + kCorner + i);
-    hn::Store(cfx, d, to_x + 2 * kCorner + i);
-    hn::Store(cfy, d, to_y + 2 * kCorner + i);
-    hn::Store(cz, d, to_z + 2 * kCorner + i);
-    const V ax = hn::Sub(afx, hn::Mul(sx, az));
-    const V ay = hn::Sub(afy, hn::Mul(sy, az));
-    const V bx = hn::Sub(bfx, hn::Mul(sx, bz));
-    const V by = hn::Sub(bfy, hn::Mul(sy, bz));
-    const V cx = hn::Sub(cfx, hn::Mul(sx, cz));
-    const V cy = hn::Sub(cfy, hn::Mul(sy, cz));
+    const auto a = CornersOf(block.corners[0], i);
+    const auto b = CornersOf(block.corners[1], i);
+    const auto c = CornersOf(block.corners[2], i);
+    const V ax = xs.at(a), ay = ys.at(a), az = zs.at(a);
+    const V bx = xs.at(b), by = ys.at(b), bz = zs.at(b);
+    const V cx = xs.at(c), cy = ys.at(c), cz = zs.at(c);
     const V low_z = hn::Min(hn::Min(az, bz), cz), high_z = hn::Max(hn::Max(az, bz), cz);
     const V far = hn::Max(hn::Abs(low_z), hn::Abs(high_z));
     const V half_x = hn::Add(hn::Set(d, p.half_x), hn::Mul(hn::Set(d, p.spread_x), far));
@@ -93,23 +86,20 @@ HWY_INLINE void SeeBlock(const TriangleBlock& block, const PacketState& p, SeenB
     const auto edge_near = hn::Or(hn::Ge(most, hn::Zero(d)), hn::Le(least, hn::Zero(d)));
     bits |= BitsOf(d, hn::And(hn::And(z_near, edge_near), hn::And(x_near, y_near)), i);
   }
-  seen.near = bits;
+  // Unused triangles are a vertex, which may well be near.
+  seen.near = bits & ((1u << block.triangle_count) - 1);
 }
 
-// All triangles of a block, for a packet without a line: unused lanes repeat the first's number.
+// All triangles of a block, for a packet without a line.
 HWY_INLINE void SeeWholeBlock(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
   const LaneF d;
-  const LaneU du;
-  const auto first_id = hn::Set(du, block.id[0] & kIdMask);
-  std::uint32_t bits = 1;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
-    bits |= BitsOf(du, hn::Ne(hn::Load(du, block.id + i), first_id), i);
-    for (std::size_t row = 0; row < 9; ++row) {
-      const auto origin = hn::Set(d, p.origin[row % 3][0]);
-      hn::Store(hn::Sub(hn::Load(d, block.corners[row] + i), origin), d, seen.corners[row] + i);
+  seen.near = (1u << block.triangle_count) - 1;
+  for (int k = 0; k < 3; ++k) {
+    const auto origin = hn::Set(d, p.origin[k][0]);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockVertices); i += hn::Lanes(d)) {
+      hn::Store(hn::Sub(hn::Load(d, block.vertices[k] + i), origin), d, seen.vertices[k] + i);
     }
   }
-  seen.near = bits;
 }
 
 HWY_INLINE void Look(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
@@ -138,12 +128,10 @@ HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const SeenBlo
   const LaneF d;
   const LaneU du;
   using V = hn::Vec<LaneF>;
-  constexpr int kRow = kBlockTriangles;
   const int x = group.axes.x, y = group.axes.y, z = group.axes.z;
-  const float* const corners = kCommonOrigin ? &seen.corners[0][0] : &block.corners[0][0];
-  const float* const cx_row = corners + x * kRow;
-  const float* const cy_row = corners + y * kRow;
-  const float* const cz_row = corners + z * kRow;
+  const float* const row_x = kCommonOrigin ? seen.vertices[x] : block.vertices[x];
+  const float* const row_y = kCommonOrigin ? seen.vertices[y] : block.vertices[y];
+  const float* const row_z = kCommonOrigin ? seen.vertices[z] : block.vertices[z];
   const V zero = hn::Zero(d);
   std::uint32_t hit_lanes = 0;
   for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
@@ -155,22 +143,23 @@ HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const SeenBlo
     const V ox = hn::Load(d, p.origin[x] + i);
     const V oy = hn::Load(d, p.origin[y] + i);
     const V oz = hn::Load(d, p.origin[z] + i);
-    const auto relative = [&](const float* row, std::size_t k, V origin) HWY_ATTR {
-      const V corner = hn::Set(d, row[k]);
-      return kCommonOrigin ? corner : hn::Sub(corner, origin);
+    const auto relative = [&](const float* row, std::size_t vertex, V origin) HWY_ATTR {
+      const V position = hn::Set(d, row[vertex]);
+      return kCommonOrigin ? position : hn::Sub(position, origin);
     };
     std::size_t count = 0;
     for (std::uint32_t near = seen.near; near != 0; near &= near - 1) {
       const auto k = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(near));
-      const V az = relative(cz_row, k, oz);
-      const V bz = relative(cz_row, k + 3 * kRow, oz);
-      const V cz = relative(cz_row, k + 6 * kRow, oz);
-      const V ax = hn::Sub(relative(cx_row, k, ox), hn::Mul(sx, az));
-      const V ay = hn::Sub(relative(cy_row, k, oy), hn::Mul(sy, az));
-      const V bx = hn::Sub(relative(cx_row, k + 3 * kRow, ox), hn::Mul(sx, bz));
-      const V by = hn::Sub(relative(cy_row, k + 3 * kRow, oy), hn::Mul(sy, bz));
-      const V cx = hn::Sub(relative(cx_row, k + 6 * kRow, ox), hn::Mul(sx, cz));
-      const V cy = hn::Sub(relative(cy_row, k + 6 * kRow, oy), hn::Mul(sy, cz));
+      const std::size_t a = block.corners[0][k], b = block.corners[1][k], c = block.corners[2][k];
+      const V az = relative(row_z, a, oz);
+      const V bz = relative(row_z, b, oz);
+      const V cz = relative(row_z, c, oz);
+      const V ax = hn::Sub(relative(row_x, a, ox), hn::Mul(sx, az));
+      const V ay = hn::Sub(relative(row_y, a, oy), hn::Mul(sy, az));
+      const V bx = hn::Sub(relative(row_x, b, ox), hn::Mul(sx, bz));
+      const V by = hn::Sub(relative(row_y, b, oy), hn::Mul(sy, bz));
+      const V cx = hn::Sub(relative(row_x, c, ox), hn::Mul(sx, cz));
+      const V cy = hn::Sub(relative(row_y, c, oy), hn::Mul(sy, cz));
       const V u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
       const V v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
       const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
@@ -193,7 +182,7 @@ HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const SeenBlo
       if (!kAny) {
         hn::Store(v, d, found.v[count]);
         hn::Store(w, d, found.w[count]);
-        found.id[count] = block.id[k] & kIdMask;
+        found.id[count] = block.id[k];
       }
       count += hn::AllFalse(d, is_candidate) ? 0u : 1u;
     }
@@ -260,7 +249,7 @@ HWY_INLINE void TestPacketBlock(const KdView& view, const TriangleBlock& block, 
   if (HWY_UNLIKELY(view.masks != nullptr)) {
     for (std::uint32_t near = seen.near; near != 0; near &= near - 1) {
       const auto k = hwy::Num0BitsBelowLS1Bit_Nonzero32(near);
-      if (!view.is_visible(block.id[k] & kIdMask, mask)) seen.near &= ~(1u << k);
+      if (!view.is_visible(block.id[k], mask)) seen.near &= ~(1u << k);
     }
   }
   p.budget -= kBlockCost + p.group_count * static_cast<int>(hwy::PopCount(seen.near));

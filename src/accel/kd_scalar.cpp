@@ -112,7 +112,7 @@ class Query {
       const TriangleBlock* block = view_.blocks + index;
       while (true) {
         test_block(*block);
-        if ((block->id[0] & kMoreBlocksBit) == 0) break;
+        if (block->has_next == 0) break;
         ++block;
       }
       return;
@@ -126,19 +126,20 @@ class Query {
 
   void test_block(const TriangleBlock& block) {
     cost_.primitives += kBlockTriangles;
-    const auto* c = block.corners;
     const float ox = ray_.origin[sheared_.kx], oy = ray_.origin[sheared_.ky],
                 oz = ray_.origin[sheared_.kz];
-    for (int i = 0; i < kBlockTriangles; ++i) {
-      const float az = c[sheared_.kz][i] - oz;
-      const float bz = c[3 + sheared_.kz][i] - oz;
-      const float cz = c[6 + sheared_.kz][i] - oz;
-      const float ax = (c[sheared_.kx][i] - ox) - sheared_.shear_x * az;
-      const float ay = (c[sheared_.ky][i] - oy) - sheared_.shear_y * az;
-      const float bx = (c[3 + sheared_.kx][i] - ox) - sheared_.shear_x * bz;
-      const float by = (c[3 + sheared_.ky][i] - oy) - sheared_.shear_y * bz;
-      const float cx = (c[6 + sheared_.kx][i] - ox) - sheared_.shear_x * cz;
-      const float cy = (c[6 + sheared_.ky][i] - oy) - sheared_.shear_y * cz;
+    const float* const row_x = block.vertices[sheared_.kx];
+    const float* const row_y = block.vertices[sheared_.ky];
+    const float* const row_z = block.vertices[sheared_.kz];
+    for (int i = 0; i < block.triangle_count; ++i) {
+      const std::size_t a = block.corners[0][i], b = block.corners[1][i], c = block.corners[2][i];
+      const float az = row_z[a] - oz, bz = row_z[b] - oz, cz = row_z[c] - oz;
+      const float ax = (row_x[a] - ox) - sheared_.shear_x * az;
+      const float ay = (row_y[a] - oy) - sheared_.shear_y * az;
+      const float bx = (row_x[b] - ox) - sheared_.shear_x * bz;
+      const float by = (row_y[b] - oy) - sheared_.shear_y * bz;
+      const float cx = (row_x[c] - ox) - sheared_.shear_x * cz;
+      const float cy = (row_y[c] - oy) - sheared_.shear_y * cz;
       const float u = cx * by - cy * bx;
       const float v = ax * cy - ay * cx;
       const float w = bx * ay - by * ax;
@@ -148,7 +149,7 @@ class Query {
       if (!is_inside || determinant == 0.0f) continue;
       const float inverse = 1.0f / determinant;
       const float t = (((u * az + v * bz) + w * cz) * sheared_.shear_z) * inverse;
-      accept(t, block.id[i] & kIdMask, v * inverse, w * inverse);
+      accept(t, block.id[i], v * inverse, w * inverse);
     }
   }
 

@@ -220,7 +220,7 @@ struct TubeMaker {
 
 HWY_INLINE void PrefetchBlock(const KdView& view, KdChild leaf) {
   const char* const block = reinterpret_cast<const char*>(view.blocks + (leaf & kIndexMask));
-  for (int line = 0; line < 10; ++line) hwy::Prefetch(block + 64 * line);
+  for (std::size_t i = 0; i < sizeof(TriangleBlock); i += 64) hwy::Prefetch(block + i);
 }
 
 // A node, or the first block of a leaf.

@@ -32,28 +32,31 @@ struct alignas(64) BlockResult {
 
 // One ray against sixteen triangles.
 HWY_INLINE void TestBlock(const TriangleBlock& block, const RayState& ray, BlockResult& result) {
-  const hn::CappedTag<float, kBlockTriangles> d;
-  using V = hn::Vec<decltype(d)>;
-  const float* const row_x = block.corners[ray.axes.x];
-  const float* const row_y = block.corners[ray.axes.y];
-  const float* const row_z = block.corners[ray.axes.z];
+  const LaneF d;
+  using V = hn::Vec<LaneF>;
+  const float* const row_x = block.vertices[ray.axes.x];
+  const float* const row_y = block.vertices[ray.axes.y];
+  const float* const row_z = block.vertices[ray.axes.z];
   const V ox = hn::Set(d, ray.origin_x);
   const V oy = hn::Set(d, ray.origin_y);
   const V oz = hn::Set(d, ray.origin_z);
   const V sx = hn::Set(d, ray.shear_x);
   const V sy = hn::Set(d, ray.shear_y);
-  constexpr int kCorner = 3 * kBlockTriangles;
+  VertexRow xs, ys, zs;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockVertices); i += hn::Lanes(d)) {
+    const V z = hn::Sub(hn::Load(d, row_z + i), oz);
+    xs.set(i, hn::Sub(hn::Sub(hn::Load(d, row_x + i), ox), hn::Mul(sx, z)));
+    ys.set(i, hn::Sub(hn::Sub(hn::Load(d, row_y + i), oy), hn::Mul(sy, z)));
+    zs.set(i, z);
+  }
   std::uint32_t candidates = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
-    const V az = hn::Sub(hn::Load(d, row_z + i), oz);
-    const V bz = hn::Sub(hn::Load(d, row_z + kCorner + i), oz);
-    const V cz = hn::Sub(hn::Load(d, row_z + 2 * kCorner + i), oz);
-    const V ax = hn::Sub(hn::Sub(hn::Load(d, row_x + i), ox), hn::Mul(sx, az));
-    const V ay = hn::Sub(hn::Sub(hn::Load(d, row_y + i), oy), hn::Mul(sy, az));
-    const V bx = hn::Sub(hn::Sub(hn::Load(d, row_x + kCorner + i), ox), hn::Mul(sx, bz));
-    const V by = hn::Sub(hn::Sub(hn::Load(d, row_y + kCorner + i), oy), hn::Mul(sy, bz));
-    const V cx = hn::Sub(hn::Sub(hn::Load(d, row_x + 2 * kCorner + i), ox), hn::Mul(sx, cz));
-    const V cy = hn::Sub(hn::Sub(hn::Load(d, row_y + 2 * kCorner + i), oy), hn::Mul(sy, cz));
+    const auto a = CornersOf(block.corners[0], i);
+    const auto b = CornersOf(block.corners[1], i);
+    const auto c = CornersOf(block.corners[2], i);
+    const V ax = xs.at(a), ay = ys.at(a), az = zs.at(a);
+    const V bx = xs.at(b), by = ys.at(b), bz = zs.at(b);
+    const V cx = xs.at(c), cy = ys.at(c), cz = zs.at(c);
     const V u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
     const V v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
     const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
@@ -84,7 +87,7 @@ HWY_INLINE void AcceptCandidates(const KdView& view, const TriangleBlock& block,
   for (std::uint32_t bits = result.candidates; bits != 0; bits &= bits - 1) {
     const auto lane = hwy::Num0BitsBelowLS1Bit_Nonzero32(bits);
     const float inverse = 1.0f / result.determinant[lane];
-    ray.accept(result.scaled_t[lane] * inverse, block.id[lane] & kIdMask, result.v[lane] * inverse,
+    ray.accept(result.scaled_t[lane] * inverse, block.id[lane], result.v[lane] * inverse,
                result.w[lane] * inverse, view, mask);
   }
 }
@@ -170,7 +173,7 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
         if (HWY_LIKELY((ray.current & kMixedBit) == 0)) {
           const TriangleBlock& block = view.blocks[ray.current & kIndexMask];
           AcceptCandidates(view, block, mask, results[s], ray);
-          ray.push_next_block(block.id[0] >> 31);
+          ray.push_next_block(block.has_next);
         } else {
           TestMixedLeaf(view, mask, ray);
         }

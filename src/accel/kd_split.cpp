@@ -31,6 +31,7 @@ struct SplitFinder::Candidate {
   const Box3f& cell;
   std::size_t count;
   std::size_t max_added;
+  std::size_t block_size;
   float solid_share;  // Of the references, taken to be the same on both sides of a plane.
   Vec3f size;
   float inverse_area;
@@ -38,7 +39,13 @@ struct SplitFinder::Candidate {
   bool found = false;
 
   Candidate(const KdTreeConfig& c, const Box3f& box, std::size_t n, std::size_t added, float solids)
-      : config(c), cell(box), count(n), max_added(added), solid_share(solids), size(box.size()) {
+      : config(c),
+        cell(box),
+        count(n),
+        max_added(added),
+        block_size(std::max(c.block_size, 1u)),
+        solid_share(solids),
+        size(box.size()) {
     const float half_area = size.x * size.y + size.y * size.z + size.z * size.x;
     inverse_area = half_area > 0.0f ? 1.0f / half_area : 0.0f;
     split.cost = leaf_cost(n);
@@ -46,8 +53,7 @@ struct SplitFinder::Candidate {
 
   // A block of triangles costs as much as one of them, a solid as much as a block.
   float leaf_cost(std::size_t n) const {
-    constexpr std::size_t kBlock = 16;
-    const auto blocks = static_cast<float>((n + kBlock - 1) / kBlock);
+    const auto blocks = static_cast<float>((n + block_size - 1) / block_size);
     return config.block_cost * std::max(blocks, solid_share * static_cast<float>(n));
   }
 

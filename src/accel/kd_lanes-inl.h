@@ -92,13 +92,91 @@ HWY_INLINE float LargestLane(const float* values) {
   return hn::GetLane(hn::MaxOfLanes(d, most));
 }
 
-HWY_INLINE float SmallestLane(const float* values) {
-  const LaneF d;
-  auto least = hn::Load(d, values);
-  for (std::size_t i = hn::Lanes(d); i < kPacketLanes; i += hn::Lanes(d)) {
-    least = hn::Min(least, hn::Load(d, values + i));
+// The sixteen values of a row in registers.
+struct Row {
+  static constexpr std::size_t kVectors = kPacketLanes / hn::MaxLanes(LaneF());
+  hn::Vec<LaneF> part[kVectors];
+};
+
+HWY_INLINE Row LoadRow(const float* from) {
+  Row row;
+  for (std::size_t i = 0; i < Row::kVectors; ++i) {
+    row.part[i] = hn::Load(LaneF(), from + i * hn::Lanes(LaneF()));
   }
-  return hn::GetLane(hn::MinOfLanes(d, least));
+  return row;
+}
+
+HWY_INLINE void StoreRow(const Row& row, float* to) {
+  for (std::size_t i = 0; i < Row::kVectors; ++i) {
+    hn::Store(row.part[i], LaneF(), to + i * hn::Lanes(LaneF()));
+  }
+}
+
+// The least and the largest value of each of four rows.
+struct alignas(32) RowBounds {
+  float low[4], high[4];
+};
+
+struct Least {
+  template <class V>
+  static HWY_INLINE V of(V a, V b) {
+    return hn::Min(a, b);
+  }
+};
+
+struct Most {
+  template <class V>
+  static HWY_INLINE V of(V a, V b) {
+    return hn::Max(a, b);
+  }
+};
+
+template <class Op>
+HWY_INLINE hn::Vec<LaneF> FoldRow(const Row& row) {
+  auto all = row.part[0];
+  for (std::size_t i = 1; i < Row::kVectors; ++i) all = Op::of(all, row.part[i]);
+  return all;
+}
+
+// The four lanes of all of a vector's blocks in one.
+template <class Op, class D>
+HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> FoldBlocks(D d, hn::Vec<D> v) {
+  if constexpr (hn::MaxLanes(d) == 4) {
+    return v;
+  } else {
+    const hn::Half<D> half;
+    return FoldBlocks<Op>(half, Op::of(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+  }
+}
+
+// Four reductions for the shuffles of one and a half.
+template <class Op>
+HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> FoldRows(const Row& a, const Row& b, const Row& c,
+                                                    const Row& e) {
+  const LaneF d;
+  const hn::Repartition<double, LaneF> pairs;
+  const auto va = FoldRow<Op>(a), vb = FoldRow<Op>(b), vc = FoldRow<Op>(c), ve = FoldRow<Op>(e);
+  const auto ab =
+      hn::BitCast(pairs, Op::of(hn::InterleaveLower(d, va, vb), hn::InterleaveUpper(d, va, vb)));
+  const auto ce =
+      hn::BitCast(pairs, Op::of(hn::InterleaveLower(d, vc, ve), hn::InterleaveUpper(d, vc, ve)));
+  return FoldBlocks<Op>(d, Op::of(hn::BitCast(d, hn::InterleaveLower(pairs, ab, ce)),
+                                  hn::BitCast(d, hn::InterleaveUpper(pairs, ab, ce))));
+}
+
+HWY_INLINE RowBounds BoundsOf(const Row& a, const Row& b, const Row& c, const Row& e) {
+  const hn::FixedTag<float, 4> d4;
+  RowBounds bounds;
+  const auto low = FoldRows<Least>(a, b, c, e), high = FoldRows<Most>(a, b, c, e);
+#if HWY_MAX_BYTES >= 32
+  // In one store: what reads both halves at once need not wait for two.
+  const hn::FixedTag<float, 8> d8;
+  hn::Store(hn::Combine(d8, high, low), d8, bounds.low);
+#else
+  hn::Store(low, d4, bounds.low);
+  hn::Store(high, d4, bounds.high);
+#endif
+  return bounds;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -110,6 +110,7 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
   Candidates candidates;
   WorkLists<kPacketsInterleaved> lists{};
   PacketQueue queue(packets, count);
+  const TubeMaker tubes(view.bounds);
   for (std::size_t s = 0; s < kPacketsInterleaved; ++s) {
     lists.slot[WorkList::kDone][s] = static_cast<std::uint8_t>(s);
     states[s].index = count;
@@ -137,7 +138,8 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
           continue;
         }
         if (is_whole || hwy::PopCount(lanes) > kFewLanes) {
-          StartPacket(view, packets[index], lanes, is_whole ? nullptr : sink.found(index), p);
+          StartPacket(view, tubes, packets[index], lanes, is_whole ? nullptr : sink.found(index),
+                      p);
           p.is_whole = is_whole;
           if (HWY_LIKELY(!p.is_parted())) break;
           if (is_whole) sink.begin_parts(index);

@@ -11,6 +11,7 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include "accel/kd_lanes-inl.h"
 #include "accel/kd_order.h"
 #include "accel/kd_state.h"
 
@@ -151,28 +152,40 @@ HWY_INLINE void PushChildren(const WideNode& node, const RayTube& tube, float t_
 
 #if HWY_MAX_BYTES >= 32
 
-// make_tube() for one ray, the same operations on all axes and both sides at once.
+// make_tube(), the same operations on all axes and both sides at once.
 struct TubeMaker {
-  alignas(32) float corners[8];   // Low corner of the scene, then high.
   alignas(32) float opposite[8];  // The sides as seen by the lower and the upper bound.
 
   explicit TubeMaker(const Box3f& bounds) {
     for (int k = 0; k < 3; ++k) {
-      corners[k] = opposite[4 + k] = bounds.low[k];
-      corners[4 + k] = opposite[k] = bounds.high[k];
+      opposite[k] = bounds.high[k];
+      opposite[4 + k] = bounds.low[k];
     }
-    corners[3] = corners[7] = opposite[3] = opposite[7] = 0.0f;
+    opposite[3] = opposite[7] = 0.0f;
   }
 
   HWY_INLINE void make(const Ray& ray, RayTube& tube) const {
     const StepF d;
     const hn::FixedTag<float, 4> d4;
-    const StepU du;
     const auto low = hn::LoadU(d4, &ray.origin.x);  // And t_max.
     const auto last = hn::LoadU(d4, &ray.t_max);    // t_max and the direction.
     const auto turned = hn::Shuffle0321(last);      // The direction and t_max.
-    const auto both_o = hn::Combine(d, low, low);
-    const auto both_d = hn::Combine(d, turned, turned);
+    make(hn::Combine(d, low, low), hn::Combine(d, turned, turned), ray.t_max, tube);
+  }
+
+  // Around many rays, from the bounds of their x, y, z; the fourth is not read. Returns the largest
+  // distance along any axis from an origin to the scene.
+  HWY_INLINE float make(const RowBounds& origins, const RowBounds& directions, float t_max,
+                        RayTube& tube) const {
+    const StepF d;
+    return make(hn::Load(d, origins.low), hn::Load(d, directions.low), t_max, tube);
+  }
+
+ private:
+  HWY_INLINE float make(hn::Vec<StepF> both_o, hn::Vec<StepF> both_d, float t_max,
+                        RayTube& tube) const {
+    const StepF d;
+    const StepU du;
     alignas(32) static constexpr std::uint32_t kAxes[8] = {~0u, ~0u, ~0u, 0, ~0u, ~0u, ~0u, 0};
     alignas(32) static constexpr std::uint32_t kUpper[8] = {
         0, 0, 0, 0, 0x80000000u, 0x80000000u, 0x80000000u, 0x80000000u};
@@ -180,10 +193,11 @@ struct TubeMaker {
     const auto upper = hn::BitCast(d, hn::Load(du, kUpper));
     const auto origin = hn::And(both_o, is_axis);
     const auto direction = hn::And(both_d, is_axis);
+    const auto sides = hn::Load(d, opposite);
     const auto size = hn::Abs(direction);
     const auto tiny =
         hn::Max(hn::Mul(hn::MaxOfLanes(d, size), hn::Set(d, 1e-18f)), hn::Set(d, 1e-37f));
-    const auto reach = hn::MaxOfLanes(d, hn::Abs(hn::Sub(hn::Load(d, corners), origin)));
+    const auto reach = hn::MaxOfLanes(d, hn::Abs(hn::Sub(sides, origin)));
     const auto width = hn::Max(hn::Mul(reach, hn::Set(d, kTubeSlack)),
                                hn::Mul(hn::Set(d, 0x1p-23f), hn::Abs(origin)));
     // The lower bound moves down, the upper up.
@@ -197,14 +211,15 @@ struct TubeMaker {
                                               hn::Set(d, 1.0f + kTubeSlack)));
     hn::Store(wide, d, tube.origin);
     hn::Store(reciprocal, d, tube.reciprocal);
-    const auto t = hn::Mul(hn::Sub(hn::Load(d, opposite), wide), reciprocal);
+    const auto t = hn::Mul(hn::Sub(sides, wide), reciprocal);
     const auto least = hn::Set(d, -kInfinity);
     const auto most = hn::Set(d, kInfinity);
     const auto counts = hn::MaskFromVec(is_axis);
     const auto enter = hn::IfThenElse(counts, hn::IfNegativeThenElse(begins, t, least), least);
     const auto leave = hn::IfThenElse(counts, hn::IfNegativeThenElse(begins, most, t), most);
     tube.t_near = hn::GetLane(hn::Max(hn::MaxOfLanes(d, enter), hn::Zero(d)));
-    tube.t_far = hn::GetLane(hn::Min(hn::MinOfLanes(d, leave), hn::Set(d, ray.t_max)));
+    tube.t_far = hn::GetLane(hn::Min(hn::MinOfLanes(d, leave), hn::Set(d, t_max)));
+    return hn::GetLane(reach);
   }
 };
 
@@ -214,6 +229,21 @@ struct TubeMaker {
   const Box3f& bounds;
   explicit TubeMaker(const Box3f& b) : bounds(b) {}
   HWY_INLINE void make(const Ray& ray, RayTube& tube) const { tube = make_tube(ray, bounds); }
+  HWY_INLINE float make(const RowBounds& origins, const RowBounds& directions, float t_max,
+                        RayTube& tube) const {
+    float reach = 0.0f, longest = 0.0f;
+    for (int k = 0; k < 3; ++k) {
+      reach = std::max({reach, std::abs(bounds.low[k] - origins.high[k]),
+                        std::abs(bounds.high[k] - origins.low[k])});
+      longest = std::max({longest, std::abs(directions.low[k]), std::abs(directions.high[k])});
+    }
+    for (int k = 0; k < 3; ++k) {
+      set_tube_axis(tube, k, origins.low[k], origins.high[k], directions.low[k], directions.high[k],
+                    reach, longest);
+    }
+    clip_tube(tube, bounds, t_max);
+    return reach;
+  }
 };
 
 #endif

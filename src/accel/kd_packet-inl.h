@@ -34,10 +34,18 @@ inline constexpr int kFewSolidsBudget = 160;
 inline constexpr std::size_t kFewLanes = 4;
 
 // Packets under way at a time: most of their time they wait for memory.
-inline constexpr std::size_t kPacketsInterleaved = 8;
+inline constexpr std::size_t kPacketsInterleaved = 12;
 
 // So many packets ahead the rays are fetched, which are only read when their packet starts.
 inline constexpr std::size_t kPacketsAhead = 4;
+
+// A packet under way in an array of them. If they lay a whole page apart, the first lines of each
+// would compete for the same few sets of the L1 cache.
+struct SpreadState : PacketState {
+  static constexpr std::size_t kPage = 4096, kShift = 13 * 64;
+  char unused[kPage + kShift - sizeof(PacketState) % kPage];
+};
+static_assert(sizeof(SpreadState) % SpreadState::kPage == SpreadState::kShift);
 
 // Lanes of packets still to be traced. Each division takes one away and adds two, at most fifteen
 // times for a packet.
@@ -105,7 +113,7 @@ HWY_INLINE void Divide(const KdView& view, const RayPacket& packet, std::size_t 
 template <bool kAny, class Sink>
 HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::size_t count,
                              VisibilityMask mask, Sink& sink) {
-  PacketState states[kPacketsInterleaved];
+  SpreadState states[kPacketsInterleaved];
   SeenBlock seen[kPacketsInterleaved];
   Candidates candidates;
   WorkLists<kPacketsInterleaved> lists{};

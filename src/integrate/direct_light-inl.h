@@ -111,7 +111,7 @@ class DirectLight {
       if (!is_in_bounds(place, group.reach, group.slope)) continue;
       for (std::uint32_t c = group.first_chain; c < group.first_chain + group.chain_count; ++c) {
         const PointChain& chain = world_.point_chains.chains[c];
-        if (!is_in_bounds(place, chain.reach, chain.slope)) continue;
+        if (!is_in_bounds(place, world_.point_chains, chain)) continue;
         const LaneMask near = fan.spread ? lanes_in_bounds(group, chain, lanes) : lanes;
         if (!near.any()) continue;
         PointChainLight<D> light(world_, chain, set);
@@ -128,7 +128,7 @@ class DirectLight {
     for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
       PlaceInGroup place;
       if (among.test(lane) && may_light(group, b_.at.position.get(lane), 0.0f, place) &&
-          is_in_bounds(place, chain.reach, chain.slope)) {
+          is_in_bounds(place, world_.point_chains, chain)) {
         found.set(lane);
       }
     }

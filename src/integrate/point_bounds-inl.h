@@ -56,6 +56,17 @@ inline bool is_in_bounds(const PlaceInGroup& place, const std::array<float, 8>& 
   return true;
 }
 
+/// Whether a place may get light from a chain.
+inline bool is_in_bounds(const PlaceInGroup& place, const PointChains& all,
+                         const PointChain& chain) {
+  if (!is_in_bounds(place, chain.reach, chain.slope)) return false;
+  const std::uint32_t last = chain.first_cone + chain.cone_count;
+  for (std::uint32_t i = chain.first_cone; i < last; ++i) {
+    if (is_in_bounds(place, all.cones[i].reach, all.cones[i].slope)) return true;
+  }
+  return false;
+}
+
 /// The part of a ray [0, end_m) that may lie in the bounds of a chain or group; false where that is
 /// nothing.
 inline bool StretchInBounds(const PointChainGroup& group, const std::array<float, 8>& reach,

@@ -93,16 +93,18 @@ std::optional<Footprint> footprint(const BeamCone& cone, const Vec3d& normal, do
 }
 
 double largest_slope(const BeamCone& cone, const Vec3d& u, const Vec3d& n) {
-  // The plane (u − s·n)·d = 0 of the slope s touches the cone where it makes the cone's angle with
-  // the axis: s·(n·a) − u·a = √(1 + s²)·sin(angle).
+  // All of the cone lies in (u − s·n)·d ≤ 0 where s·(n·a) − u·a ≥ √(1 + s²)·sin(angle): from a
+  // root on for cones that leave the plane steeply, between two roots for those that cross it.
   const double along = glm::dot(n, cone.axis);
   const double across = glm::dot(u, cone.axis);
   const double sine = std::sin(std::min(cone.angle_rad, kRightAngle));
   const double square = along * along - sine * sine;
-  if (cone.angle_rad >= kRightAngle || along <= 0.0 || square <= 1e-6) return kInfinite;
-  const double root =
-      sine * std::sqrt(std::max(0.0, along * along + across * across - sine * sine));
-  return (along * across + root) / square;
+  const double rest = along * along + across * across - sine * sine;
+  const bool is_steep = square > 0.0 && along > 0.0;
+  if (cone.angle_rad >= kRightAngle || std::abs(square) <= 1e-6) return kInfinite;
+  if (!is_steep && rest <= 0.0) return kInfinite;
+  const double slope = (along * across + sine * std::sqrt(std::max(0.0, rest))) / square;
+  return is_steep || slope * along - across > 0.0 ? slope : kInfinite;
 }
 
 }  // namespace abbe

@@ -16,6 +16,8 @@ namespace {
 // Bounds are widened by this share, for what is rounded on the way.
 constexpr double kSlack = 1e-5;
 constexpr float kNoBound = 1e30f;
+// Parts that the light of a chain is bounded in; of more, neighbours share their bounds.
+constexpr std::size_t kMostCones = 32;
 
 bool comes_first(const Vec2d& a, const Vec2d& b) {
   return a.x != b.x ? a.x < b.x : a.y < b.y;
@@ -71,17 +73,37 @@ void make_frames(World& world) {
   }
 }
 
-/// What is known of a chain from the cones that went its way.
-struct Gathered {
-  bool ends_inside = false;
+/// As ConeBounds, before rounding.
+struct Bounds {
   std::array<double, 8> reach{}, slope{};
-  double largest = 0.0, flux_sr = 0.0;
-  std::vector<Vec3d> axes;
 
-  Gathered() {
+  Bounds() {
     reach.fill(-std::numeric_limits<double>::infinity());
     slope.fill(-std::numeric_limits<double>::infinity());
   }
+  void include(const Bounds& other) {
+    for (std::size_t k = 0; k < 8; ++k) {
+      reach[k] = std::max(reach[k], other.reach[k]);
+      slope[k] = std::max(slope[k], other.slope[k]);
+    }
+  }
+  ConeBounds rounded() const {
+    ConeBounds result;
+    for (std::size_t k = 0; k < 8; ++k) {
+      result.reach[k] = static_cast<float>(reach[k] + kSlack * (1.0 + std::abs(reach[k])));
+      const double steepest = slope[k] + kSlack * (1.0 + std::abs(slope[k]));
+      result.slope[k] = steepest < 1e6 ? static_cast<float>(steepest) : kNoBound;
+    }
+    return result;
+  }
+};
+
+/// What is known of a chain from the cones that went its way.
+struct Gathered {
+  bool ends_inside = false;
+  std::vector<Bounds> cones;
+  double largest = 0.0, flux_sr = 0.0;
+  std::vector<Vec3d> axes;
 };
 
 /// Makes chains of one light from what was gathered.
@@ -112,11 +134,12 @@ class Maker {
     into.flux_sr += found.flux_sr;
     if (into.axes.empty()) into.axes.resize(found.axes.size(), Vec3d(0.0));
     for (std::size_t i = 0; i < found.axes.size(); ++i) into.axes[i] += found.axes[i];
+    Bounds& bounds = into.cones.emplace_back();
     for (std::size_t k = 0; k < 8; ++k) {
       const Vec3d along = static_cast<double>(kBoundCosine[k]) * frame.u +
                           static_cast<double>(kBoundSine[k]) * frame.v;
-      into.reach[k] = std::max(into.reach[k], glm::dot(along, from_origin) + found.cone.radius_m);
-      into.slope[k] = std::max(into.slope[k], largest_slope(found.cone, along, normal));
+      bounds.reach[k] = glm::dot(along, from_origin) + found.cone.radius_m;
+      bounds.slope[k] = largest_slope(found.cone, along, normal);
     }
   }
 
@@ -152,16 +175,30 @@ class Maker {
       chain.ways.push_back(chain.fold * gathered.axes[s + 1]);
     }
     for (Vec3d& direction : chain.ways) direction = glm::normalize(direction);
-    for (std::size_t k = 0; k < 8; ++k) {
-      const double reach = gathered.reach[k] + kSlack * (1.0 + std::abs(gathered.reach[k]));
-      const double slope = gathered.slope[k] + kSlack * (1.0 + std::abs(gathered.slope[k]));
-      chain.reach[k] = static_cast<float>(reach);
-      chain.slope[k] = slope < 1e6 ? static_cast<float>(slope) : kNoBound;
-    }
+    bound(gathered.cones, chain);
     return chain;
   }
 
  private:
+  // The light of a chain, whole and in parts; cones that follow each other are neighbours.
+  void bound(const std::vector<Bounds>& cones, PointChain& chain) const {
+    std::vector<ConeBounds>& parts = world_.point_chains.cones;
+    chain.first_cone = static_cast<std::uint32_t>(parts.size());
+    const std::size_t share = (cones.size() + kMostCones - 1) / kMostCones;
+    Bounds all;
+    for (std::size_t first = 0; first < cones.size(); first += share) {
+      Bounds part;
+      const std::size_t last = std::min(first + share, cones.size());
+      for (std::size_t i = first; i < last; ++i) part.include(cones[i]);
+      all.include(part);
+      parts.push_back(part.rounded());
+    }
+    chain.cone_count = static_cast<std::uint32_t>(parts.size()) - chain.first_cone;
+    const ConeBounds rounded = all.rounded();
+    chain.reach = rounded.reach;
+    chain.slope = rounded.slope;
+  }
+
   std::uint32_t material_of(std::uint32_t face) const {
     return world_.flat.bodies[world_.flat.faces[face].body].material;
   }

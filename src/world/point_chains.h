@@ -45,6 +45,13 @@ struct UnfoldedFace {
 /// Most boundaries of a chain at which light is refracted: in and out of each body.
 inline constexpr std::size_t kMostCrossings = 2 * kMostChainBodies;
 
+/// Where a part of the light of a chain goes, in the frame of the chain's group: a lit place at
+/// height h over the last face has along direction k of kBoundDirections a coordinate of at most
+/// reach + h·slope.
+struct ConeBounds {
+  std::array<float, 8> reach{}, slope{};
+};
+
 /// A chain of a point or spot light.
 struct PointChain : ChainPath {
   std::vector<UnfoldedFace> faces;                  ///< Of each step.
@@ -54,9 +61,9 @@ struct PointChain : ChainPath {
   Vec3d lamp{0.0};
   Mat3d fold{1.0};  ///< Takes a lit place into the unfolded space: x′ = fold·x + fold_shift.
   Vec3d fold_shift{0.0};
-  // In the frame of its group: a lit place at height h over the last face has along direction k of
-  // kBoundDirections a coordinate of at most reach + h·slope.
-  std::array<float, 8> reach{}, slope{};
+  std::array<float, 8> reach{}, slope{};  ///< Bounds of all its light, as of a ConeBounds.
+  /// Its light in parts, of PointChains::cones: no place is lit that lies in none of them.
+  std::uint32_t first_cone = 0, cone_count = 0;
 };
 
 /// Chains of one light that end at the same face and side; they share a frame.
@@ -73,6 +80,7 @@ struct PointChainGroup {
 struct PointChains {
   std::vector<PointChain> chains;
   std::vector<PointChainGroup> groups;  ///< Largest first, and so are the chains in each.
+  std::vector<ConeBounds> cones;
   std::vector<FaceFrame> frames;  ///< Of all faces of World::flat; empty without point lights.
 };
 

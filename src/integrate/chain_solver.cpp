@@ -95,9 +95,10 @@ class Row {
   std::span<const double> n_;
   const Vec3d place_;
   const std::size_t count_;
-  std::array<double, kMostCrossings + 1> length_m_{};
-  std::array<Vec3d, kMostCrossings + 1> direction_{};
-  std::array<Mat2d, kMostCrossings> diagonal_{}, next_{}, carry_{};
+  // Not filled before they are needed: clearing them would take as long as a step.
+  std::array<double, kMostCrossings + 1> length_m_;
+  std::array<Vec3d, kMostCrossings + 1> direction_;
+  std::array<Mat2d, kMostCrossings> diagonal_, next_, carry_;
   double shortest_ = 0.0, total_m_ = 0.0;
 };
 
@@ -129,6 +130,46 @@ double size_of(const Crossings& step, std::size_t count) {
   return std::sqrt(square);
 }
 
+// Whether the way over two planes is certainly least where it runs over the edge between them, with
+// nothing left of the stretch in between: there a vector no longer than that stretch's index has to
+// balance the pulls of the other two in both planes. A search would creep towards such a place.
+// Units:  as solve_crossings; false also where that is not known.
+bool is_least_at_edge(const PointChain& chain, std::span<const double> n, const Vec3d& place) {
+  if (chain.crossings.size() != 2 || n[0] != n[2]) return false;
+  const UnfoldedFace& first = chain.faces[chain.crossings[0]];
+  const UnfoldedFace& second = chain.faces[chain.crossings[1]];
+  const Vec3d cross = glm::cross(first.normal, second.normal);
+  const double sine = glm::length(cross);
+  if (!(sine > 1e-6)) return false;
+  const Vec3d along = cross / sine;
+  // Across the edge in each plane.
+  const Vec3d u = glm::cross(first.normal, along);
+  const Vec3d v = glm::cross(second.normal, along);
+  const double to_second =
+      glm::dot(second.normal, second.origin - first.origin) / glm::dot(second.normal, u);
+  const Vec3d corner = first.origin + to_second * u;
+
+  // Both ways have the same angle with the edge, as if it were unrolled.
+  const auto off_edge = [&](const Vec3d& v_m, double at) { return glm::length(v_m - at * along); };
+  const Vec3d lamp = chain.lamp - corner;
+  const Vec3d goal = place - corner;
+  const double lamp_at = glm::dot(lamp, along);
+  const double goal_at = glm::dot(goal, along);
+  const double lamp_off = off_edge(lamp, lamp_at);
+  const double goal_off = off_edge(goal, goal_at);
+  if (!(lamp_off > 0.0 && goal_off > 0.0)) return false;
+  const Vec3d least = ((lamp_at * goal_off + goal_at * lamp_off) / (lamp_off + goal_off)) * along;
+  const Vec3d pull_in = n[0] * glm::normalize(least - lamp);
+  const Vec3d pull_out = n[2] * glm::normalize(goal - least);
+
+  const double in = glm::dot(pull_in, u);
+  const double out = glm::dot(pull_out, v);
+  const double cosine = glm::dot(u, v);
+  const double square = (in * in + out * out - 2.0 * cosine * in * out) / (1.0 - cosine * cosine);
+  const double edgewise = glm::dot(pull_in, along);
+  return square + edgewise * edgewise < n[1] * n[1] * (1.0 - 1e-6);
+}
+
 }  // namespace
 
 bool solve_crossings(const PointChain& chain, std::span<const double> n, const Vec3d& place,
@@ -137,6 +178,7 @@ bool solve_crossings(const PointChain& chain, std::span<const double> n, const V
   if (row.count() == 0) return true;
   guess(chain, place, crossings);
   double length = row.look_at(crossings);
+  bool is_edge_ruled_out = false;
   for (int i = 0; i < kMostSteps; ++i) {
     const double scale = row.shortest();
     if (!(scale > kVanished * row.total_m())) return false;
@@ -165,6 +207,8 @@ bool solve_crossings(const PointChain& chain, std::span<const double> n, const V
       length = there_length;
       continue;
     }
+    if (!is_edge_ruled_out && is_least_at_edge(chain, n, place)) return false;
+    is_edge_ruled_out = true;
     row.look_at(crossings);
     row.factor(false);
     step = force;

@@ -9,6 +9,7 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <span>
 
 #include "integrate/buffers.h"
@@ -109,10 +110,12 @@ class DirectLight {
       PlaceInGroup place;
       if (!may_light(group, center, radius_m, place)) continue;
       if (!is_in_bounds(place, group.reach, group.slope)) continue;
+      const LaneMask among = fan.spread ? place_lanes(group, lanes) : lanes;
+      if (!among.any()) continue;
       for (std::uint32_t c = group.first_chain; c < group.first_chain + group.chain_count; ++c) {
         const PointChain& chain = world_.point_chains.chains[c];
         if (!is_in_bounds(place, world_.point_chains, chain)) continue;
-        const LaneMask near = fan.spread ? lanes_in_bounds(group, chain, lanes) : lanes;
+        const LaneMask near = fan.spread ? lanes_in_bounds(chain, among) : among;
         if (!near.any()) continue;
         PointChainLight<D> light(world_, chain, set);
         if (!light.run(b_.at.position, near, !fan.spread, to_light_, way_)) continue;
@@ -121,14 +124,28 @@ class DirectLight {
     }
   }
 
-  // The lanes of a spread fan that a chain may light.
-  LaneMask lanes_in_bounds(const PointChainGroup& group, const PointChain& chain,
-                           const LaneMask& among) const {
+  // Puts each lane of a spread fan into the frame of a group; returns those that it may light.
+  LaneMask place_lanes(const PointChainGroup& group, const LaneMask& among) {
     LaneMask found;
-    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
-      PlaceInGroup place;
-      if (among.test(lane) && may_light(group, b_.at.position.get(lane), 0.0f, place) &&
-          is_in_bounds(place, world_.point_chains, chain)) {
+    for (LaneMask left = among; left.any();) {
+      const int lane = left.front();
+      left.reset(lane);
+      PlaceInGroup& place = places_[static_cast<std::size_t>(lane)];
+      if (may_light(group, b_.at.position.get(lane), 0.0f, place) &&
+          is_in_bounds(place, group.reach, group.slope)) {
+        found.set(lane);
+      }
+    }
+    return found;
+  }
+
+  // Of these, the lanes that a chain may light.
+  LaneMask lanes_in_bounds(const PointChain& chain, const LaneMask& among) const {
+    LaneMask found;
+    for (LaneMask left = among; left.any();) {
+      const int lane = left.front();
+      left.reset(lane);
+      if (is_in_bounds(places_[static_cast<std::size_t>(lane)], world_.point_chains, chain)) {
         found.set(lane);
       }
     }
@@ -173,6 +190,7 @@ class DirectLight {
   const int stride_;
   LightGeometry to_light_;
   ChainWay way_;
+  std::array<PlaceInGroup, kMaxLanes> places_;  ///< Of a spread fan in a group of chains.
 };
 
 }  // namespace HWY_NAMESPACE

@@ -10,6 +10,7 @@
 
 #include "accel/kd_layout.h"
 #include "accel/kd_reference.h"
+#include "accel/kd_sharing.h"
 #include "accel/kd_split.h"
 #include "base/parallel.h"
 
@@ -18,6 +19,10 @@ namespace {
 
 // Cells with more references are split into parallel tasks, each with memory of its own.
 constexpr std::size_t kTaskLimit = 8192;
+// A leaf of sixteen triangles seldom shares sixteen vertices; one of twelve nearly always does, if
+// three or more triangles meet in each.
+constexpr std::uint32_t kSharedBlockTriangles = 12;
+constexpr double kSharingTriangles = 3.0;
 // Small scenes may duplicate freely: so many references cost 40 MB.
 constexpr std::size_t kFreeReferences = std::size_t{1} << 20;
 
@@ -181,6 +186,10 @@ std::uint32_t append_branch(const Branch& branch, BuildTree& tree) {
 BuildTree build_kd_tree(const ShapeSpans& shapes, const KdTreeConfig& given_config) {
   KdTreeConfig config = given_config;
   config.max_depth = std::min(config.max_depth, kMaxTreeDepth);
+  if (config.block_size == 0) {
+    config.block_size =
+        triangles_per_vertex(shapes) < kSharingTriangles ? kBlockTriangles : kSharedBlockTriangles;
+  }
   const std::size_t count = shapes.primitive_count();
   std::vector<BuildReference> references(count);
   parallel_for(0, count, 4096, [&](std::size_t i) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -14,71 +15,97 @@ namespace {
 // The triangles of a leaf and where their blocks go.
 struct LeafSlot {
   std::span<const std::uint32_t> triangles;
-  std::uint32_t first_block = 0;
-  std::uint32_t block_count = 0;
+  bool is_loose = false;
+  std::uint32_t first_line = 0;
+  std::uint32_t line_count = 0;
+};
+
+// A block as it grows.
+struct PackedBlock {
+  TriangleBlock head{};
+  float rows[3][kLooseVertices] = {};
+
+  void write(BlockLine* to) const {
+    std::memcpy(to, &head, sizeof(head));
+    const auto count = static_cast<std::size_t>(head.vertices_per_row());
+    auto* const vertices = reinterpret_cast<float*>(to + 2);
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::copy_n(rows[k], count, vertices + k * count);
+    }
+  }
 };
 
 // Packs the triangles of a leaf into blocks, one after the other.
 class BlockPacker {
  public:
-  explicit BlockPacker(const ShapeSpans& shapes) : shapes_(shapes) {}
+  BlockPacker(const ShapeSpans& shapes, bool is_loose) : shapes_(shapes), is_loose_(is_loose) {}
 
   // Hands each full block to `emit`, and the last one.
   template <class Emit>
   void pack(std::span<const std::uint32_t> triangles, Emit emit) {
     clear();
     for (const std::uint32_t id : triangles) {
-      if (block_.triangle_count == kBlockTriangles || !add(id)) {
-        block_.has_next = 1;
+      if (block_.head.triangle_count == kBlockTriangles || !add(id)) {
+        block_.head.next_lines =
+            static_cast<std::uint8_t>(is_loose_ ? kLooseBlockLines : kSharedBlockLines);
         emit(block_);
         clear();
         add(id);
       }
     }
-    if (block_.triangle_count > 0) emit(block_);
+    emit(block_);
   }
 
  private:
   void clear() {
     block_ = {};
+    block_.head.is_loose = is_loose_ ? 1 : 0;
     vertex_count_ = 0;
   }
 
   // False, with nothing added, if the block has no room for the vertices.
   bool add(std::uint32_t id) {
     const std::uint32_t old_count = vertex_count_;
-    const std::size_t lane = block_.triangle_count;
+    const std::size_t lane = block_.head.triangle_count;
     for (std::size_t corner = 0; corner < 3; ++corner) {
-      const std::uint32_t vertex = find_or_add(shapes_.triangles[id][corner]);
-      if (vertex == kBlockVertices) {
+      const std::uint32_t index = shapes_.triangles[id][corner];
+      std::uint32_t vertex = static_cast<std::uint32_t>(corner * kBlockTriangles + lane);
+      if (!is_loose_) vertex = find_or_add(index);
+      if (vertex == kSharedVertices && !is_loose_) {
         vertex_count_ = old_count;
-        for (auto& row : block_.corners) row[lane] = 0;
+        for (auto& row : block_.head.corners) row[lane] = 0;
         return false;
       }
-      block_.corners[corner][lane] = static_cast<std::uint8_t>(vertex);
+      if (is_loose_) set_vertex(vertex, shapes_.positions[index]);
+      block_.head.corners[corner][lane] = static_cast<std::uint8_t>(vertex);
     }
-    block_.id[lane] = id;
-    ++block_.triangle_count;
+    block_.head.id[lane] = id;
+    ++block_.head.triangle_count;
     return true;
   }
 
-  // The number of a vertex in the block, kBlockVertices if there is no room. Vertices are shared by
-  // position: faces that meet in an edge often differ in what else a vertex has.
+  void set_vertex(std::uint32_t vertex, const Vec3f& position) {
+    for (int k = 0; k < 3; ++k) block_.rows[k][vertex] = position[k];
+  }
+
+  // The number of a vertex in the block, kSharedVertices if there is no room. Vertices are shared
+  // by position: faces that meet in an edge often differ in what else a vertex has.
   std::uint32_t find_or_add(std::uint32_t index) {
-    const Vec3f& p = shapes_.positions[index];
-    const std::array<std::uint32_t, 3> bits = std::bit_cast<std::array<std::uint32_t, 3>>(p);
+    const Vec3f& position = shapes_.positions[index];
+    const auto bits = std::bit_cast<std::array<std::uint32_t, 3>>(position);
     for (std::uint32_t v = 0; v < vertex_count_; ++v) {
       if (bits_[v] == bits) return v;
     }
-    if (vertex_count_ == kBlockVertices) return kBlockVertices;
+    if (vertex_count_ == kSharedVertices) return kSharedVertices;
     bits_[vertex_count_] = bits;
-    for (int k = 0; k < 3; ++k) block_.vertices[k][vertex_count_] = p[k];
+    set_vertex(vertex_count_, position);
     return vertex_count_++;
   }
 
   const ShapeSpans& shapes_;
-  TriangleBlock block_{};
-  std::array<std::array<std::uint32_t, 3>, kBlockVertices> bits_{};
+  bool is_loose_;
+  PackedBlock block_;
+  std::array<std::array<std::uint32_t, 3>, kSharedVertices> bits_{};
   std::uint32_t vertex_count_ = 0;
 };
 
@@ -89,20 +116,22 @@ class Converter {
 
   void run() {
     KdChild root = add(0);
-    parallel_for(0, leaves_.size(), kLeavesPerTask, [&](std::size_t i) {
-      BlockPacker(shapes_).pack(leaves_[i].triangles,
-                                [&](const TriangleBlock&) { ++leaves_[i].block_count; });
-    });
-    std::uint32_t block_count = 0;
+    parallel_for(0, leaves_.size(), kLeavesPerTask, [&](std::size_t i) { plan(leaves_[i]); });
+    std::uint32_t line_count = 0, loose_lines = 0;
     for (LeafSlot& leaf : leaves_) {
-      leaf.first_block = block_count;
-      block_count += leaf.block_count;
+      leaf.first_line = line_count;
+      line_count += leaf.line_count;
+      if (leaf.is_loose) loose_lines += leaf.line_count;
     }
-    arrays_.blocks = FlatArray<TriangleBlock>(block_count);
+    if (loose_lines > line_count - loose_lines) arrays_.lines_ahead = kLooseBlockLines;
+    arrays_.blocks = FlatArray<BlockLine>(line_count);
     parallel_for(0, leaves_.size(), kLeavesPerTask, [&](std::size_t i) {
-      TriangleBlock* next = arrays_.blocks.data() + leaves_[i].first_block;
-      BlockPacker(shapes_).pack(leaves_[i].triangles,
-                                [&](const TriangleBlock& block) { *next++ = block; });
+      const LeafSlot& leaf = leaves_[i];
+      BlockLine* to = arrays_.blocks.data() + leaf.first_line;
+      BlockPacker(shapes_, leaf.is_loose).pack(leaf.triangles, [&](const PackedBlock& block) {
+        block.write(to);
+        to += block.head.next_lines;
+      });
     });
     place_blocks(root);
     arrays_.root = root;
@@ -111,12 +140,7 @@ class Converter {
       for (KdChild& child : node.children) place_blocks(child);
     }
     std::copy(nodes_.begin(), nodes_.end(), arrays_.nodes.data());
-    for (MixedLeaf& mixed : arrays_.mixed_leaves) {
-      if (mixed.block_count == 0) continue;  // No triangles.
-      const LeafSlot& leaf = leaves_[mixed.first_block];
-      mixed.first_block = leaf.first_block;
-      mixed.block_count = leaf.block_count;
-    }
+    for (MixedLeaf& mixed : arrays_.mixed_leaves) place_blocks(mixed.triangles);
   }
 
  private:
@@ -167,17 +191,28 @@ class Converter {
     if (triangles > 0) leaves_.push_back({primitives.first(triangles)});
     if (triangles == primitives.size()) return kLeafBit | leaf_number;
     const auto mixed = static_cast<std::uint32_t>(arrays_.mixed_leaves.size());
-    arrays_.mixed_leaves.push_back({leaf_number, triangles > 0 ? 1u : 0u,
+    arrays_.mixed_leaves.push_back({triangles > 0 ? kLeafBit | leaf_number : kEmptyChild,
                                     static_cast<std::uint32_t>(arrays_.solids.size()),
                                     static_cast<std::uint32_t>(primitives.size() - triangles)});
     arrays_.solids.insert(arrays_.solids.end(), end, primitives.end());
     return kLeafBit | kMixedBit | mixed;
   }
 
-  // From the number of a leaf of triangles, as add_leaf() leaves it, to that of its first block.
+  // Loose blocks where triangles share so little that they would take more blocks: a block costs a
+  // ray the same, however full it is.
+  void plan(LeafSlot& leaf) const {
+    std::size_t shared = 0;
+    BlockPacker(shapes_, false).pack(leaf.triangles, [&](const PackedBlock&) { ++shared; });
+    const std::size_t loose = (leaf.triangles.size() + kBlockTriangles - 1) / kBlockTriangles;
+    leaf.is_loose = loose < shared;
+    leaf.line_count = static_cast<std::uint32_t>(leaf.is_loose ? loose * kLooseBlockLines
+                                                               : shared * kSharedBlockLines);
+  }
+
+  // From the number of a leaf of triangles, as add_leaf() leaves it, to that of its first line.
   void place_blocks(KdChild& child) const {
     if ((child & kLeafBit) == 0 || (child & kMixedBit) != 0) return;
-    child = kLeafBit | leaves_[child & kIndexMask].first_block;
+    child = kLeafBit | leaves_[child & kIndexMask].first_line;
   }
 
   static constexpr std::size_t kLeavesPerTask = 256;

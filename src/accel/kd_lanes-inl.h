@@ -36,53 +36,6 @@ HWY_INLINE std::uint32_t BitsOf(D d, M mask, std::size_t first) {
   return (bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8) << first;
 }
 
-// A value for each of the sixteen vertices of a block, looked up by the corners of its triangles.
-// Lanes [i, i + Lanes) are set at a time.
-struct VertexRow {
-  static constexpr std::size_t kLanes = hn::MaxLanes(LaneF());
-
-#if HWY_MAX_BYTES >= 32
-  hn::Vec<LaneF> part[kPacketLanes / kLanes];
-
-  HWY_INLINE void set(std::size_t i, hn::Vec<LaneF> values) {
-    part[i / kLanes] = values;
-  }
-
-  HWY_INLINE hn::Vec<LaneF> at(hn::Vec<LaneU> corner) const {
-    const LaneF d;
-    if constexpr (kLanes == kPacketLanes) {
-      return hn::TableLookupLanes(part[0], hn::IndicesFromVec(d, corner));
-    } else {
-      // The hardware reads three bits of an index; the fourth says which half.
-      const auto is_high = hn::BitCast(d, hn::ShiftLeft<28>(corner));
-#if HWY_IS_DEBUG_BUILD
-      corner = hn::And(corner, hn::Set(LaneU(), 7u));
-#endif
-      const auto index = hn::IndicesFromVec(d, corner);
-      return hn::IfNegativeThenElse(is_high, hn::TableLookupLanes(part[1], index),
-                                    hn::TableLookupLanes(part[0], index));
-    }
-  }
-#else
-  alignas(16) float value[kPacketLanes];
-
-  HWY_INLINE void set(std::size_t i, hn::Vec<LaneF> values) {
-    hn::Store(values, LaneF(), value + i);
-  }
-
-  HWY_INLINE hn::Vec<LaneF> at(hn::Vec<LaneU> corner) const {
-    const LaneF d;
-    return hn::GatherIndex(d, value, hn::BitCast(hn::RebindToSigned<LaneF>(), corner));
-  }
-#endif
-};
-
-// Numbers of the vertices that are one corner of triangles [i, i + Lanes) of a block.
-HWY_INLINE hn::Vec<LaneU> CornersOf(const std::uint8_t* row, std::size_t i) {
-  const hn::Rebind<std::uint8_t, LaneU> d8;
-  return hn::PromoteTo(LaneU(), hn::LoadU(d8, row + i));
-}
-
 HWY_INLINE float LargestLane(const float* values) {
   const LaneF d;
   auto most = hn::Load(d, values);

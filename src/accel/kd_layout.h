@@ -1,6 +1,7 @@
 /// How a finished k-d tree lies in memory, and the view of it that the query kernels read.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "accel/kd_memory.h"
@@ -12,7 +13,8 @@ namespace abbe {
 /// A reference to a part of the tree: nothing, an inner node, or a leaf.
 using KdChild = std::uint32_t;
 inline constexpr KdChild kEmptyChild = 0;
-inline constexpr KdChild kLeafBit = 0x80000000u;   ///< The rest is a block, or see kMixedBit.
+inline constexpr KdChild kLeafBit =
+    0x80000000u;  ///< The rest is a line of blocks, or see kMixedBit.
 inline constexpr KdChild kMixedBit = 0x40000000u;  ///< With kLeafBit: the rest is a mixed leaf.
 inline constexpr KdChild kIndexMask = 0x3fffffffu;
 
@@ -27,23 +29,42 @@ struct alignas(64) WideNode {
 static_assert(sizeof(WideNode) == 64);
 
 inline constexpr int kBlockTriangles = 16;
-inline constexpr int kBlockVertices = 16;
+/// Vertices of a block whose triangles share them, and of one whose triangles do not.
+inline constexpr int kSharedVertices = 16;
+inline constexpr int kLooseVertices = 3 * kBlockTriangles;
 
-/// Up to sixteen triangles in SIMD layout over up to sixteen vertices that they share: half the
-/// memory of separate corners, and each vertex is moved and sheared once for all its triangles.
-/// Unused triangles have three times the same corner, which no ray meets.
+/// What the array of blocks is made of.
+struct alignas(64) BlockLine {
+  std::uint8_t bytes[64];
+};
+
+/// Up to sixteen triangles in SIMD layout: this, and behind it the rows of x, y and z of their
+/// vertices. Triangles that share sixteen vertices take half the memory of separate corners, and a
+/// ray moves and shears each vertex once for all its triangles. Others have a loose block: three
+/// vertices each, those of the first corners first. Unused triangles have three times the same
+/// corner, which no ray meets.
 struct alignas(64) TriangleBlock {
-  float vertices[3][kBlockVertices];         ///< Rows of x, y and z.
   std::uint8_t corners[3][kBlockTriangles];  ///< Numbers of the vertices of each triangle.
   std::uint8_t triangle_count;
-  std::uint8_t has_next;  ///< 1 if the leaf has a further block behind this one, else 0.
+  std::uint8_t is_loose;    ///< 1 or 0.
+  std::uint8_t next_lines;  ///< To the leaf's next block, in lines; 0 if there is none.
   alignas(64) std::uint32_t id[kBlockTriangles];
+
+  int vertices_per_row() const { return is_loose != 0 ? kLooseVertices : kSharedVertices; }
+  /// The coordinates of all vertices along an axis.
+  const float* row(int axis) const {
+    return reinterpret_cast<const float*>(this + 1) + axis * vertices_per_row();
+  }
 };
-static_assert(sizeof(TriangleBlock) == 320);
+static_assert(sizeof(TriangleBlock) == 2 * sizeof(BlockLine));
+
+/// Lines of a block with its vertices.
+inline constexpr std::size_t kSharedBlockLines = 2 + 3 * kSharedVertices * sizeof(float) / 64;
+inline constexpr std::size_t kLooseBlockLines = 2 + 3 * kLooseVertices * sizeof(float) / 64;
 
 /// A leaf that holds solids, and perhaps triangles too.
 struct MixedLeaf {
-  std::uint32_t first_block, block_count;
+  KdChild triangles;                       ///< A leaf of triangles only, or kEmptyChild.
   std::uint32_t first_solid, solid_count;  ///< In KdView::solids.
 };
 
@@ -55,7 +76,8 @@ inline constexpr int kStackEntries = (kMaxTreeDepth / 3 + 1) * 7 + 10;
 struct KdView {
   KdChild root = kEmptyChild;
   const WideNode* nodes = nullptr;
-  const TriangleBlock* blocks = nullptr;
+  const BlockLine* blocks = nullptr;
+  std::uint32_t lines_ahead = 0;  ///< Lines of a leaf to fetch before it is read.
   const MixedLeaf* mixed_leaves = nullptr;
   const std::uint32_t* solids = nullptr;  ///< Primitive numbers of ellipsoids and polyhedra.
   const Ellipsoid* ellipsoids = nullptr;
@@ -69,6 +91,10 @@ struct KdView {
   std::uint32_t ellipsoid_count = 0;
   Box3f bounds;
 
+  /// The first block of a leaf of triangles only.
+  const TriangleBlock& block(KdChild leaf) const {
+    return *reinterpret_cast<const TriangleBlock*>(blocks + (leaf & kIndexMask));
+  }
   bool is_lonely_solid(std::uint32_t primitive) const {
     return primitive != kNoPrimitive && primitive >= triangle_count &&
            lonely_solids[primitive - triangle_count] != 0;

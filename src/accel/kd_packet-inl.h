@@ -190,16 +190,16 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
         const std::size_t s = lists.slot[WorkList::kLeaf][i];
         const KdChild leaf = states[s].current;
         if (HWY_LIKELY((leaf & kMixedBit) == 0)) {
-          Look(view.blocks[leaf & kIndexMask], states[s], seen[s]);
+          Look(view.block(leaf), states[s], seen[s]);
         }
       }
       for (std::size_t i = 0; i < leaves; ++i) {
         const std::size_t s = lists.slot[WorkList::kLeaf][i];
         PacketState& p = states[s];
         if (HWY_LIKELY((p.current & kMixedBit) == 0)) {
-          const TriangleBlock& block = view.blocks[p.current & kIndexMask];
+          const TriangleBlock& block = view.block(p.current);
           TestPacketBlock<kAny>(view, block, mask, seen[s], p, candidates);
-          p.push_next_block(block.has_next);
+          p.push_next_block(block.next_lines);
         } else {
           TestMixedPacketLeaf<kAny>(view, mask, seen[s], p, candidates);
         }

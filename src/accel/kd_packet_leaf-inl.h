@@ -11,6 +11,7 @@
 
 #include <hwy/highway.h>
 
+#include "accel/kd_corners-inl.h"
 #include "accel/kd_lanes-inl.h"
 #include "accel/kd_solids-inl.h"
 #include "accel/kd_state.h"
@@ -22,44 +23,27 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // A block as seen from the line of a packet.
 struct alignas(64) SeenBlock {
-  float vertices[3][kBlockVertices];  ///< Relative to the origin of the line.
+  float vertices[3][kLooseVertices];  ///< Relative to the origin of the line.
   std::uint32_t near;                 ///< The triangles that the packet's rays may meet.
 };
 
+template <bool kLoose>
 HWY_INLINE void SeeBlock(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
   const LaneF d;
   using V = hn::Vec<LaneF>;
-  const float* const row_x = block.vertices[p.axes.x];
-  const float* const row_y = block.vertices[p.axes.y];
-  const float* const row_z = block.vertices[p.axes.z];
-  const V lx = hn::Set(d, p.line_x), ly = hn::Set(d, p.line_y), lz = hn::Set(d, p.line_z);
-  const V sx = hn::Set(d, p.line_shear_x), sy = hn::Set(d, p.line_shear_y);
+  float* const moved[3] = {seen.vertices[p.axes.x], seen.vertices[p.axes.y],
+                           seen.vertices[p.axes.z]};
+  const Corners<kLoose> corners(
+      block, p.axes, {p.line_x, p.line_y, p.line_z, p.line_shear_x, p.line_shear_y}, moved);
   const float depth = p.farthest * p.longest_z + p.half_z;
   const V first_z = hn::Set(d, p.is_z_positive ? -p.half_z : -depth);
   const V last_z = hn::Set(d, p.is_z_positive ? depth : p.half_z);
-  float* const to_x = seen.vertices[p.axes.x];
-  float* const to_y = seen.vertices[p.axes.y];
-  float* const to_z = seen.vertices[p.axes.z];
-  VertexRow xs, ys, zs;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockVertices); i += hn::Lanes(d)) {
-    const V x = hn::Sub(hn::Load(d, row_x + i), lx);
-    const V y = hn::Sub(hn::Load(d, row_y + i), ly);
-    const V z = hn::Sub(hn::Load(d, row_z + i), lz);
-    hn::Store(x, d, to_x + i);
-    hn::Store(y, d, to_y + i);
-    hn::Store(z, d, to_z + i);
-    xs.set(i, hn::Sub(x, hn::Mul(sx, z)));
-    ys.set(i, hn::Sub(y, hn::Mul(sy, z)));
-    zs.set(i, z);
-  }
   std::uint32_t bits = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
-    const auto a = CornersOf(block.corners[0], i);
-    const auto b = CornersOf(block.corners[1], i);
-    const auto c = CornersOf(block.corners[2], i);
-    const V ax = xs.at(a), ay = ys.at(a), az = zs.at(a);
-    const V bx = xs.at(b), by = ys.at(b), bz = zs.at(b);
-    const V cx = xs.at(c), cy = ys.at(c), cz = zs.at(c);
+    V ax, ay, az, bx, by, bz, cx, cy, cz;
+    corners.get(i, 0, ax, ay, az);
+    corners.get(i, 1, bx, by, bz);
+    corners.get(i, 2, cx, cy, cz);
     const V low_z = hn::Min(hn::Min(az, bz), cz), high_z = hn::Max(hn::Max(az, bz), cz);
     const V far = hn::Max(hn::Abs(low_z), hn::Abs(high_z));
     const V half_x = hn::Add(hn::Set(d, p.half_x), hn::Mul(hn::Set(d, p.spread_x), far));
@@ -96,17 +80,21 @@ HWY_INLINE void SeeWholeBlock(const TriangleBlock& block, const PacketState& p, 
   seen.near = (1u << block.triangle_count) - 1;
   for (int k = 0; k < 3; ++k) {
     const auto origin = hn::Set(d, p.origin[k][0]);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockVertices); i += hn::Lanes(d)) {
-      hn::Store(hn::Sub(hn::Load(d, block.vertices[k] + i), origin), d, seen.vertices[k] + i);
+    const float* const row = block.row(k);
+    const auto count = static_cast<std::size_t>(block.vertices_per_row());
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+      hn::Store(hn::Sub(hn::Load(d, row + i), origin), d, seen.vertices[k] + i);
     }
   }
 }
 
 HWY_INLINE void Look(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
-  if (HWY_LIKELY(p.has_line)) {
-    SeeBlock(block, p, seen);
-  } else {
+  if (HWY_UNLIKELY(!p.has_line)) {
     SeeWholeBlock(block, p, seen);
+  } else if (HWY_LIKELY(block.is_loose == 0)) {
+    SeeBlock<false>(block, p, seen);
+  } else {
+    SeeBlock<true>(block, p, seen);
   }
 }
 
@@ -129,9 +117,9 @@ HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const SeenBlo
   const LaneU du;
   using V = hn::Vec<LaneF>;
   const int x = group.axes.x, y = group.axes.y, z = group.axes.z;
-  const float* const row_x = kCommonOrigin ? seen.vertices[x] : block.vertices[x];
-  const float* const row_y = kCommonOrigin ? seen.vertices[y] : block.vertices[y];
-  const float* const row_z = kCommonOrigin ? seen.vertices[z] : block.vertices[z];
+  const float* const row_x = kCommonOrigin ? seen.vertices[x] : block.row(x);
+  const float* const row_y = kCommonOrigin ? seen.vertices[y] : block.row(y);
+  const float* const row_z = kCommonOrigin ? seen.vertices[z] : block.row(z);
   const V zero = hn::Zero(d);
   std::uint32_t hit_lanes = 0;
   for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
@@ -278,10 +266,11 @@ template <bool kAny>
 HWY_INLINE void TestMixedPacketLeaf(const KdView& view, VisibilityMask mask, SeenBlock& seen,
                                     PacketState& p, Candidates& candidates) {
   const MixedLeaf& mixed = view.mixed_leaves[p.current & kIndexMask];
-  for (std::uint32_t b = 0; b < mixed.block_count; ++b) {
-    const TriangleBlock& block = view.blocks[mixed.first_block + b];
+  for (KdChild leaf = mixed.triangles; leaf != kEmptyChild;) {
+    const TriangleBlock& block = view.block(leaf);
     Look(block, p, seen);
     TestPacketBlock<kAny>(view, block, mask, seen, p, candidates);
+    leaf = block.next_lines != 0 ? leaf + block.next_lines : kEmptyChild;
   }
   for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
     TestPacketSolid<kAny>(view, view.solids[mixed.first_solid + s], mask, p);

@@ -109,28 +109,31 @@ class Query {
   void test_leaf(KdChild child) {
     const std::uint32_t index = child & kIndexMask;
     if ((child & kMixedBit) == 0) {
-      const TriangleBlock* block = view_.blocks + index;
-      while (true) {
-        test_block(*block);
-        if (block->has_next == 0) break;
-        ++block;
-      }
+      test_blocks(child);
       return;
     }
     const MixedLeaf& leaf = view_.mixed_leaves[index];
-    for (std::uint32_t b = 0; b < leaf.block_count; ++b)
-      test_block(view_.blocks[leaf.first_block + b]);
+    if (leaf.triangles != kEmptyChild) test_blocks(leaf.triangles);
     for (std::uint32_t s = 0; s < leaf.solid_count; ++s)
       test_solid(view_.solids[leaf.first_solid + s]);
+  }
+
+  void test_blocks(KdChild leaf) {
+    while (true) {
+      const TriangleBlock& block = view_.block(leaf);
+      test_block(block);
+      if (block.next_lines == 0) break;
+      leaf += block.next_lines;
+    }
   }
 
   void test_block(const TriangleBlock& block) {
     cost_.primitives += kBlockTriangles;
     const float ox = ray_.origin[sheared_.kx], oy = ray_.origin[sheared_.ky],
                 oz = ray_.origin[sheared_.kz];
-    const float* const row_x = block.vertices[sheared_.kx];
-    const float* const row_y = block.vertices[sheared_.ky];
-    const float* const row_z = block.vertices[sheared_.kz];
+    const float* const row_x = block.row(sheared_.kx);
+    const float* const row_y = block.row(sheared_.ky);
+    const float* const row_z = block.row(sheared_.kz);
     for (int i = 0; i < block.triangle_count; ++i) {
       const std::size_t a = block.corners[0][i], b = block.corners[1][i], c = block.corners[2][i];
       const float az = row_z[a] - oz, bz = row_z[b] - oz, cz = row_z[c] - oz;

@@ -92,12 +92,12 @@ struct alignas(64) RayState {
     hit = found;
   }
 
-  /// Puts the block behind the current one on the stack if `more` is 1: no branch to guess.
-  void push_next_block(std::uint32_t more) {
-    stack.child[stack.top] = current + 1;
+  /// Puts the block behind the current one on the stack, if there is one: no branch to guess.
+  void push_next_block(std::uint32_t next_lines) {
+    stack.child[stack.top] = current + next_lines;
     stack.t_near[stack.top] = t_near;
     stack.t_far[stack.top] = t_far;
-    stack.top += static_cast<int>(more);
+    stack.top += next_lines != 0 ? 1 : 0;
   }
 
   /// Takes the nearest cell that is not behind the hit.
@@ -166,12 +166,12 @@ struct alignas(64) PacketState {
   /// Whether `apart` divides the active lanes.
   bool is_parted() const { return apart != 0 && apart != active; }
 
-  /// Puts the block behind the current one on the stack if `more` is 1: no branch to guess.
-  void push_next_block(std::uint32_t more) {
-    stack.child[stack.top] = current + 1;
+  /// Puts the block behind the current one on the stack, if there is one: no branch to guess.
+  void push_next_block(std::uint32_t next_lines) {
+    stack.child[stack.top] = current + next_lines;
     stack.t_near[stack.top] = t_near;
     stack.t_far[stack.top] = t_far;
-    stack.top += static_cast<int>(more);
+    stack.top += next_lines != 0 ? 1 : 0;
   }
 
   /// Takes the nearest cell that is not behind all hits.

@@ -249,8 +249,8 @@ struct TubeMaker {
 #endif
 
 HWY_INLINE void PrefetchBlock(const KdView& view, KdChild leaf) {
-  const char* const block = reinterpret_cast<const char*>(view.blocks + (leaf & kIndexMask));
-  for (std::size_t i = 0; i < sizeof(TriangleBlock); i += 64) hwy::Prefetch(block + i);
+  const char* const block = reinterpret_cast<const char*>(&view.block(leaf));
+  for (std::size_t i = 0; i < view.lines_ahead; ++i) hwy::Prefetch(block + 64 * i);
 }
 
 // A node, or the first block of a leaf.

@@ -11,6 +11,7 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include "accel/kd_corners-inl.h"
 #include "accel/kd_lanes-inl.h"
 #include "accel/kd_state.h"
 #include "accel/kd_step-inl.h"
@@ -31,32 +32,18 @@ struct alignas(64) BlockResult {
 };
 
 // One ray against sixteen triangles.
+template <bool kLoose>
 HWY_INLINE void TestBlock(const TriangleBlock& block, const RayState& ray, BlockResult& result) {
   const LaneF d;
   using V = hn::Vec<LaneF>;
-  const float* const row_x = block.vertices[ray.axes.x];
-  const float* const row_y = block.vertices[ray.axes.y];
-  const float* const row_z = block.vertices[ray.axes.z];
-  const V ox = hn::Set(d, ray.origin_x);
-  const V oy = hn::Set(d, ray.origin_y);
-  const V oz = hn::Set(d, ray.origin_z);
-  const V sx = hn::Set(d, ray.shear_x);
-  const V sy = hn::Set(d, ray.shear_y);
-  VertexRow xs, ys, zs;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockVertices); i += hn::Lanes(d)) {
-    const V z = hn::Sub(hn::Load(d, row_z + i), oz);
-    xs.set(i, hn::Sub(hn::Sub(hn::Load(d, row_x + i), ox), hn::Mul(sx, z)));
-    ys.set(i, hn::Sub(hn::Sub(hn::Load(d, row_y + i), oy), hn::Mul(sy, z)));
-    zs.set(i, z);
-  }
+  const Corners<kLoose> corners(
+      block, ray.axes, {ray.origin_x, ray.origin_y, ray.origin_z, ray.shear_x, ray.shear_y});
   std::uint32_t candidates = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
-    const auto a = CornersOf(block.corners[0], i);
-    const auto b = CornersOf(block.corners[1], i);
-    const auto c = CornersOf(block.corners[2], i);
-    const V ax = xs.at(a), ay = ys.at(a), az = zs.at(a);
-    const V bx = xs.at(b), by = ys.at(b), bz = zs.at(b);
-    const V cx = xs.at(c), cy = ys.at(c), cz = zs.at(c);
+    V ax, ay, az, bx, by, bz, cx, cy, cz;
+    corners.get(i, 0, ax, ay, az);
+    corners.get(i, 1, bx, by, bz);
+    corners.get(i, 2, cx, cy, cz);
     const V u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
     const V v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
     const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
@@ -97,10 +84,15 @@ inline constexpr std::size_t kInterleaved = 24;
 HWY_INLINE void TestMixedLeaf(const KdView& view, VisibilityMask mask, RayState& ray) {
   const MixedLeaf& mixed = view.mixed_leaves[ray.current & kIndexMask];
   BlockResult result;
-  for (std::uint32_t b = 0; b < mixed.block_count; ++b) {
-    const TriangleBlock& block = view.blocks[mixed.first_block + b];
-    TestBlock(block, ray, result);
+  for (KdChild leaf = mixed.triangles; leaf != kEmptyChild;) {
+    const TriangleBlock& block = view.block(leaf);
+    if (block.is_loose == 0) {
+      TestBlock<false>(block, ray, result);
+    } else {
+      TestBlock<true>(block, ray, result);
+    }
     AcceptCandidates(view, block, mask, result, ray);
+    leaf = block.next_lines != 0 ? leaf + block.next_lines : kEmptyChild;
   }
   for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
     ray.test_solid(view.solids[mixed.first_solid + s], view, mask);
@@ -163,7 +155,12 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
         const std::size_t s = lists.slot[WorkList::kLeaf][i];
         const RayState& ray = states[s];
         if (HWY_LIKELY((ray.current & kMixedBit) == 0)) {
-          TestBlock(view.blocks[ray.current & kIndexMask], ray, results[s]);
+          const TriangleBlock& block = view.block(ray.current);
+          if (HWY_LIKELY(block.is_loose == 0)) {
+            TestBlock<false>(block, ray, results[s]);
+          } else {
+            TestBlock<true>(block, ray, results[s]);
+          }
         }
       }
       lists.count[WorkList::kLeaf] = 0;
@@ -171,9 +168,9 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
         const std::size_t s = lists.slot[WorkList::kLeaf][i];
         RayState& ray = states[s];
         if (HWY_LIKELY((ray.current & kMixedBit) == 0)) {
-          const TriangleBlock& block = view.blocks[ray.current & kIndexMask];
+          const TriangleBlock& block = view.block(ray.current);
           AcceptCandidates(view, block, mask, results[s], ray);
-          ray.push_next_block(block.has_next);
+          ray.push_next_block(block.next_lines);
         } else {
           TestMixedLeaf(view, mask, ray);
         }

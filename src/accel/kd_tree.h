@@ -15,8 +15,9 @@ namespace abbe {
 struct KdTreeConfig {
   float traversal_cost = 1.0f;  ///< SAH cost of visiting a node.
   float block_cost = 1.5f;      ///< SAH cost of testing a block of triangles, or one solid.
-  /// Triangles that a block is taken to hold: sixteen fit, if they share sixteen vertices.
-  std::uint32_t block_size = 12;
+  /// Triangles that a block is taken to hold, at most 16; 0 chooses 12 where triangles share their
+  /// vertices, of which a block has room for sixteen, and else 16.
+  std::uint32_t block_size = 0;
   float empty_bonus = 0.15f;     ///< Share of cost forgiven when a split cuts off empty space.
   std::uint32_t leaf_size = 1;   ///< Cells with so many primitives or fewer are never split.
   std::uint32_t max_depth = 64;  ///< Deepest leaf, at most 96.

@@ -32,6 +32,8 @@ inline constexpr int kLaneBudget = 60;
 inline constexpr int kScatteredBudget = 40;
 inline constexpr int kFewSolidsBudget = 160;
 inline constexpr std::size_t kFewLanes = 4;
+// The same for rays near to one line that only a gap parts.
+inline constexpr std::size_t kFewNearLanes = 2;
 
 // Packets under way at a time: most of their time they wait for memory.
 inline constexpr std::size_t kPacketsInterleaved = 12;
@@ -93,6 +95,17 @@ class PacketQueue {
   std::uint32_t part_lanes_[kPacketLanes * (kPacketsInterleaved + 1)];
 };
 
+// Puts a part of a packet into the queue, or its rays aside if they are only a few.
+template <class Sink>
+HWY_INLINE void AddPart(const RayPacket& packet, std::size_t index, std::uint32_t lanes,
+                        std::size_t few, PacketQueue& queue, Sink& sink) {
+  if (hwy::PopCount(lanes) > few) {
+    queue.add(index, lanes);
+  } else {
+    sink.trace_alone(packet, index, lanes);
+  }
+}
+
 // Lanes that were not worth tracing together: in two parts, or alone.
 template <class Sink>
 HWY_INLINE void Divide(const KdView& view, const RayPacket& packet, std::size_t index,
@@ -104,8 +117,8 @@ HWY_INLINE void Divide(const KdView& view, const RayPacket& packet, std::size_t 
     sink.trace_alone(packet, index, lanes);
     return;
   }
-  queue.add(index, some);
-  queue.add(index, rest);
+  AddPart(packet, index, some, kFewLanes, queue, sink);
+  AddPart(packet, index, rest, kFewLanes, queue, sink);
 }
 
 // Traces all packets with active lanes. sink.finish(p) takes what a packet has met and says which
@@ -118,7 +131,7 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
   Candidates candidates;
   WorkLists<kPacketsInterleaved> lists{};
   PacketQueue queue(packets, count);
-  const TubeMaker tubes(view.bounds);
+  const StartScene start(view);
   for (std::size_t s = 0; s < kPacketsInterleaved; ++s) {
     lists.slot[WorkList::kDone][s] = static_cast<std::uint8_t>(s);
     states[s].index = count;
@@ -145,17 +158,13 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
             sink.answer_inside(packets[index], index)) {
           continue;
         }
-        if (is_whole || hwy::PopCount(lanes) > kFewLanes) {
-          StartPacket(view, tubes, packets[index], lanes, is_whole ? nullptr : sink.found(index),
-                      p);
-          p.is_whole = is_whole;
-          if (HWY_LIKELY(!p.is_parted())) break;
-          if (is_whole) sink.begin_parts(index);
-          queue.add(index, lanes & ~p.apart);
-          queue.add(index, p.apart);
-          continue;
-        }
-        sink.trace_alone(packets[index], index, lanes);
+        StartPacket(start, packets[index], lanes, is_whole ? nullptr : sink.found(index), p);
+        p.is_whole = is_whole;
+        if (HWY_LIKELY(!p.is_parted())) break;
+        if (is_whole) sink.begin_parts(index);
+        const std::size_t few = p.has_line ? kFewNearLanes : kFewLanes;
+        AddPart(packets[index], index, lanes & ~p.apart, few, queue, sink);
+        AddPart(packets[index], index, p.apart, few, queue, sink);
       }
       if (lanes == 0) continue;
       p.index = index;

@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "accel/kd_lanes-inl.h"
 #include "accel/kd_state.h"
@@ -70,17 +71,21 @@ HWY_INLINE void ShearLanes(const Row (&direction)[3], Row (&shear)[2], PacketSta
 inline constexpr float kWidestSpread = 0.25f;
 
 // A gap between the rays of a packet, in parts of its width, at which two packets are better.
-inline constexpr float kWidestGap = 0.4f;
+inline constexpr float kWidestGap = 0.2f;
+// The same for rays that go too different ways for a line: their parts are seldom near to one
+// either.
+inline constexpr float kWidestScatteredGap = 0.4f;
 // With fewer triangles a packet that is too wide meets little more than its parts would.
 inline constexpr std::uint32_t kFewTriangles = 1000;
-// And the least slope between its rays for that to matter.
-inline constexpr float kLeastSpread = 0.0005f;
+// And the least slope between its rays for that to matter: a packet this many triangles wide, if
+// the triangles of the scene were one surface as wide as it is far away.
+inline constexpr float kLeastWidth = 6.0f;
 
 // Where rays are compared when a packet is divided, in parts of the longest side of the scene.
 inline constexpr float kSplitWay = 0.25f;
 
 // The lanes on one side of a gap that parts the lanes of a row, none if it is not wide enough.
-HWY_INLINE std::uint32_t BelowGap(const Row& row, float low, float high) {
+HWY_INLINE std::uint32_t BelowGap(const Row& row, float low, float high, float widest) {
   const LaneF d;
   const auto middle = hn::Set(d, low + 0.5f * (high - low));
   auto below = hn::Set(d, low), above = hn::Set(d, high);
@@ -93,13 +98,13 @@ HWY_INLINE std::uint32_t BelowGap(const Row& row, float low, float high) {
     lanes |= BitsOf(d, is_below, i * hn::Lanes(d));
   }
   const float gap = hn::GetLane(hn::MinOfLanes(d, above)) - hn::GetLane(hn::MaxOfLanes(d, below));
-  return gap > kWidestGap * (high - low) ? lanes : 0;
+  return gap > widest * (high - low) ? lanes : 0;
 }
 
 // Whether the rays of the packet are near to one line, whose slopes are between the given bounds:
 // sets the line's directions, and the lanes that are better traced apart.
 HWY_INLINE bool FindLine(const Row (&slope)[2], const float (&low)[2], const float (&high)[2],
-                         float least_z, float most_z, bool may_part, PacketState& p) {
+                         float least_z, float most_z, float least_spread, PacketState& p) {
   p.apart = 0;
   if (!(least_z > 0.0f || most_z < 0.0f)) return false;
   p.is_z_positive = least_z > 0.0f;
@@ -108,11 +113,13 @@ HWY_INLINE bool FindLine(const Row (&slope)[2], const float (&low)[2], const flo
   p.line_shear_y = 0.5f * (low[1] + high[1]);
   p.spread_x = 0.5f * (high[0] - low[0]);
   p.spread_y = 0.5f * (high[1] - low[1]);
-  if (may_part && (p.spread_x > kLeastSpread || p.spread_y > kLeastSpread)) {
+  const bool is_narrow = p.spread_x < kWidestSpread && p.spread_y < kWidestSpread;
+  if (p.spread_x > least_spread || p.spread_y > least_spread) {
     const int wider = p.spread_x > p.spread_y ? 0 : 1;
-    p.apart = BelowGap(slope[wider], low[wider], high[wider]) & p.active;
+    const float widest = is_narrow ? kWidestGap : kWidestScatteredGap;
+    p.apart = BelowGap(slope[wider], low[wider], high[wider], widest) & p.active;
   }
-  return p.spread_x < kWidestSpread && p.spread_y < kWidestSpread;
+  return is_narrow;
 }
 
 // Divides lanes of a packet in two where they differ most: the lanes returned, and the rest. Either
@@ -156,10 +163,21 @@ HWY_INLINE std::uint32_t SplitLanes(const KdView& view, const RayPacket& packet,
   return below & lanes;
 }
 
+// What the start of a packet depends on, found once for all packets.
+struct StartScene {
+  TubeMaker tubes;
+  float least_spread = kInfinity;  // Packets that spread less are not parted.
+
+  explicit StartScene(const KdView& view) : tubes(view.bounds) {
+    if (view.triangle_count <= kFewTriangles) return;
+    least_spread = kLeastWidth / std::sqrt(static_cast<float>(view.triangle_count));
+  }
+};
+
 // Makes some lanes of a packet ready to trace, with what they met before if that is given. Not when
 // some of them are better traced apart: then only p.apart says so.
-HWY_INLINE void StartPacket(const KdView& view, const TubeMaker& tubes, const RayPacket& packet,
-                            std::uint32_t lanes, const HitPacket* found, PacketState& p) {
+HWY_INLINE void StartPacket(const StartScene& scene, const RayPacket& packet, std::uint32_t lanes,
+                            const HitPacket* found, PacketState& p) {
   const LaneF d;
   const LaneU du;
   constexpr std::size_t kWidth = hn::MaxLanes(LaneF());
@@ -190,9 +208,9 @@ HWY_INLINE void StartPacket(const KdView& view, const TubeMaker& tubes, const Ra
   }
   const RowBounds origins = BoundsOf(origin[0], origin[1], origin[2], slope[0]);
   const RowBounds directions = BoundsOf(direction[0], direction[1], direction[2], slope[1]);
-  p.has_line = FindLine(slope, {origins.low[3], directions.low[3]},
-                        {origins.high[3], directions.high[3]}, directions.low[axes.z],
-                        directions.high[axes.z], view.triangle_count > kFewTriangles, p);
+  p.has_line =
+      FindLine(slope, {origins.low[3], directions.low[3]}, {origins.high[3], directions.high[3]},
+               directions.low[axes.z], directions.high[axes.z], scene.least_spread, p);
   if (HWY_UNLIKELY(p.is_parted())) return;
 
   const auto never = hn::Set(d, -kInfinity);
@@ -241,7 +259,7 @@ HWY_INLINE void StartPacket(const KdView& view, const TubeMaker& tubes, const Ra
     p.half_z = bounds.high[2];
     p.farthest = bounds.high[3];
   }
-  const float reach = tubes.make(origins, directions, p.farthest, p.tube);
+  const float reach = scene.tubes.make(origins, directions, p.farthest, p.tube);
   // The slack of the tube, four times for the roundings here.
   const float slack = 4.0f * kTubeSlack * reach;
   p.half_x += slack;

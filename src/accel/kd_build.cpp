@@ -19,9 +19,9 @@ namespace {
 
 // Cells with more references are split into parallel tasks, each with memory of its own.
 constexpr std::size_t kTaskLimit = 8192;
-// A leaf of sixteen triangles seldom shares sixteen vertices; one of twelve nearly always does, if
+// A leaf of sixteen triangles seldom shares sixteen vertices; one of fourteen mostly does, if
 // three or more triangles meet in each.
-constexpr std::uint32_t kSharedBlockTriangles = 12;
+constexpr std::uint32_t kSharedBlockTriangles = 14;
 constexpr double kSharingTriangles = 3.0;
 // Small scenes may duplicate freely: so many references cost 40 MB.
 constexpr std::size_t kFreeReferences = std::size_t{1} << 20;

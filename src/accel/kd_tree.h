@@ -15,7 +15,7 @@ namespace abbe {
 struct KdTreeConfig {
   float traversal_cost = 1.0f;  ///< SAH cost of visiting a node.
   float block_cost = 1.5f;      ///< SAH cost of testing a block of triangles, or one solid.
-  /// Triangles that a block is taken to hold, at most 16; 0 chooses 12 where triangles share their
+  /// Triangles that a block is taken to hold, at most 16; 0 chooses 14 where triangles share their
   /// vertices, of which a block has room for sixteen, and else 16.
   std::uint32_t block_size = 0;
   float empty_bonus = 0.15f;     ///< Share of cost forgiven when a split cuts off empty space.

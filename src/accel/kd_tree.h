@@ -24,7 +24,7 @@ struct KdTreeConfig {
   std::uint32_t bins = 64;       ///< Planes tried per axis in large cells, at most 256.
   /// Cells with more references try planes at the borders of bins: within 1 % of the best split, in
   /// a fraction of the time. Smaller ones try the sides of every primitive.
-  std::uint32_t exact_limit = 1024;
+  std::uint32_t exact_limit = 256;
   /// References per primitive that splits may make, or a million if that is more. A cell shares
   /// what is left with its parts, so input that cannot be separated takes bounded memory and linear
   /// time.

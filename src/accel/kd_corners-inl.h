@@ -75,12 +75,17 @@ struct ShearedLine {
 // Vertices [i, i + Lanes) relative to the line: z, and x and y beside it, with the operations and
 // the order that all tests of a triangle share. `moved`, if given, takes x, y and z before the
 // shear.
+template <bool kLoose>
 struct LineRows {
+  static constexpr int kStride = kLoose ? kLooseVertices : kSharedVertices;
   const float *x, *y, *z;
   ShearedLine line;
 
   LineRows(const TriangleBlock& block, const ShearAxes& axes, const ShearedLine& to)
-      : x(block.row(axes.x)), y(block.row(axes.y)), z(block.row(axes.z)), line(to) {}
+      : x(block.rows() + axes.x * kStride),
+        y(block.rows() + axes.y * kStride),
+        z(block.rows() + axes.z * kStride),
+        line(to) {}
 
   HWY_INLINE void get(std::size_t i, hn::Vec<LaneF>& vx, hn::Vec<LaneF>& vy, hn::Vec<LaneF>& vz,
                       float* const* moved) const {
@@ -105,7 +110,7 @@ class Corners {
   HWY_INLINE Corners(const TriangleBlock& block, const ShearAxes& axes, const ShearedLine& line,
                      float* const* moved = nullptr)
       : block_(block) {
-    const LineRows rows(block, axes, line);
+    const LineRows<kLoose> rows(block, axes, line);
     const LaneF d;
     for (std::size_t i = 0; i < static_cast<std::size_t>(kSharedVertices); i += hn::Lanes(d)) {
       hn::Vec<LaneF> x, y, z;
@@ -144,7 +149,7 @@ class Corners<true> {
   }
 
  private:
-  LineRows rows_;
+  LineRows<true> rows_;
   float* const* moved_;
 };
 

@@ -51,10 +51,9 @@ struct alignas(64) TriangleBlock {
   alignas(64) std::uint32_t id[kBlockTriangles];
 
   int vertices_per_row() const { return is_loose != 0 ? kLooseVertices : kSharedVertices; }
+  const float* rows() const { return reinterpret_cast<const float*>(this + 1); }
   /// The coordinates of all vertices along an axis.
-  const float* row(int axis) const {
-    return reinterpret_cast<const float*>(this + 1) + axis * vertices_per_row();
-  }
+  const float* row(int axis) const { return rows() + axis * vertices_per_row(); }
 };
 static_assert(sizeof(TriangleBlock) == 2 * sizeof(BlockLine));
 

@@ -68,15 +68,15 @@ class BlockPacker {
     const std::uint32_t old_count = vertex_count_;
     const std::size_t lane = block_.head.triangle_count;
     for (std::size_t corner = 0; corner < 3; ++corner) {
-      const std::uint32_t index = shapes_.triangles[id][corner];
-      std::uint32_t vertex = static_cast<std::uint32_t>(corner * kBlockTriangles + lane);
-      if (!is_loose_) vertex = find_or_add(index);
-      if (vertex == kSharedVertices && !is_loose_) {
+      const Vec3f& position = shapes_.positions[shapes_.triangles[id][corner]];
+      auto vertex = static_cast<std::uint32_t>(corner * kBlockTriangles + lane);
+      if (is_loose_) {
+        set_vertex(vertex, position);
+      } else if ((vertex = find_or_add(position)) == kSharedVertices) {
         vertex_count_ = old_count;
         for (auto& row : block_.head.corners) row[lane] = 0;
         return false;
       }
-      if (is_loose_) set_vertex(vertex, shapes_.positions[index]);
       block_.head.corners[corner][lane] = static_cast<std::uint8_t>(vertex);
     }
     block_.head.id[lane] = id;
@@ -90,8 +90,7 @@ class BlockPacker {
 
   // The number of a vertex in the block, kSharedVertices if there is no room. Vertices are shared
   // by position: faces that meet in an edge often differ in what else a vertex has.
-  std::uint32_t find_or_add(std::uint32_t index) {
-    const Vec3f& position = shapes_.positions[index];
+  std::uint32_t find_or_add(const Vec3f& position) {
     const auto bits = std::bit_cast<std::array<std::uint32_t, 3>>(position);
     for (std::uint32_t v = 0; v < vertex_count_; ++v) {
       if (bits_[v] == bits) return v;

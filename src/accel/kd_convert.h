@@ -13,7 +13,7 @@ struct KdArrays {
   KdChild root = kEmptyChild;
   FlatArray<WideNode> nodes;  ///< Node 0 is not used: 0 means nothing.
   FlatArray<BlockLine> blocks;
-  std::size_t lines_ahead = kSharedBlockLines;  ///< Of the kind of block that is more frequent.
+  std::uint32_t lines_ahead = kSharedBlockLines;  ///< Of the kind of block that is more frequent.
   std::vector<MixedLeaf> mixed_leaves;
   std::vector<std::uint32_t> solids;
 };

@@ -57,9 +57,14 @@ struct alignas(64) TriangleBlock {
 };
 static_assert(sizeof(TriangleBlock) == 2 * sizeof(BlockLine));
 
+/// The rest of a leaf behind its first block, kEmptyChild if there is none.
+inline KdChild next_block(const TriangleBlock& first, KdChild leaf) {
+  return first.next_lines != 0 ? leaf + first.next_lines : kEmptyChild;
+}
+
 /// Lines of a block with its vertices.
-inline constexpr std::size_t kSharedBlockLines = 2 + 3 * kSharedVertices * sizeof(float) / 64;
-inline constexpr std::size_t kLooseBlockLines = 2 + 3 * kLooseVertices * sizeof(float) / 64;
+inline constexpr std::uint32_t kSharedBlockLines = 2 + 3 * kSharedVertices * sizeof(float) / 64;
+inline constexpr std::uint32_t kLooseBlockLines = 2 + 3 * kLooseVertices * sizeof(float) / 64;
 
 /// A leaf that holds solids, and perhaps triangles too.
 struct MixedLeaf {

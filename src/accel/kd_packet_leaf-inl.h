@@ -270,7 +270,7 @@ HWY_INLINE void TestMixedPacketLeaf(const KdView& view, VisibilityMask mask, See
     const TriangleBlock& block = view.block(leaf);
     Look(block, p, seen);
     TestPacketBlock<kAny>(view, block, mask, seen, p, candidates);
-    leaf = block.next_lines != 0 ? leaf + block.next_lines : kEmptyChild;
+    leaf = next_block(block, leaf);
   }
   for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
     TestPacketSolid<kAny>(view, view.solids[mixed.first_solid + s], mask, p);

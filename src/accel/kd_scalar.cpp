@@ -113,17 +113,16 @@ class Query {
       return;
     }
     const MixedLeaf& leaf = view_.mixed_leaves[index];
-    if (leaf.triangles != kEmptyChild) test_blocks(leaf.triangles);
+    test_blocks(leaf.triangles);
     for (std::uint32_t s = 0; s < leaf.solid_count; ++s)
       test_solid(view_.solids[leaf.first_solid + s]);
   }
 
   void test_blocks(KdChild leaf) {
-    while (true) {
+    while (leaf != kEmptyChild) {
       const TriangleBlock& block = view_.block(leaf);
       test_block(block);
-      if (block.next_lines == 0) break;
-      leaf += block.next_lines;
+      leaf = next_block(block, leaf);
     }
   }
 

@@ -33,7 +33,7 @@ struct alignas(64) BlockResult {
 
 // One ray against sixteen triangles.
 template <bool kLoose>
-HWY_INLINE void TestBlock(const TriangleBlock& block, const RayState& ray, BlockResult& result) {
+HWY_INLINE void TestBlockOf(const TriangleBlock& block, const RayState& ray, BlockResult& result) {
   const LaneF d;
   using V = hn::Vec<LaneF>;
   const Corners<kLoose> corners(
@@ -68,6 +68,14 @@ HWY_INLINE void TestBlock(const TriangleBlock& block, const RayState& ray, Block
   result.candidates = candidates;
 }
 
+HWY_INLINE void TestBlock(const TriangleBlock& block, const RayState& ray, BlockResult& result) {
+  if (HWY_LIKELY(block.is_loose == 0)) {
+    TestBlockOf<false>(block, ray, result);
+  } else {
+    TestBlockOf<true>(block, ray, result);
+  }
+}
+
 // Takes the nearest of the candidates, if it is nearer than what the ray has met.
 HWY_INLINE void AcceptCandidates(const KdView& view, const TriangleBlock& block,
                                  VisibilityMask mask, const BlockResult& result, RayState& ray) {
@@ -86,13 +94,9 @@ HWY_INLINE void TestMixedLeaf(const KdView& view, VisibilityMask mask, RayState&
   BlockResult result;
   for (KdChild leaf = mixed.triangles; leaf != kEmptyChild;) {
     const TriangleBlock& block = view.block(leaf);
-    if (block.is_loose == 0) {
-      TestBlock<false>(block, ray, result);
-    } else {
-      TestBlock<true>(block, ray, result);
-    }
+    TestBlock(block, ray, result);
     AcceptCandidates(view, block, mask, result, ray);
-    leaf = block.next_lines != 0 ? leaf + block.next_lines : kEmptyChild;
+    leaf = next_block(block, leaf);
   }
   for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
     ray.test_solid(view.solids[mixed.first_solid + s], view, mask);
@@ -155,12 +159,7 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
         const std::size_t s = lists.slot[WorkList::kLeaf][i];
         const RayState& ray = states[s];
         if (HWY_LIKELY((ray.current & kMixedBit) == 0)) {
-          const TriangleBlock& block = view.block(ray.current);
-          if (HWY_LIKELY(block.is_loose == 0)) {
-            TestBlock<false>(block, ray, results[s]);
-          } else {
-            TestBlock<true>(block, ray, results[s]);
-          }
+          TestBlock(view.block(ray.current), ray, results[s]);
         }
       }
       lists.count[WorkList::kLeaf] = 0;

@@ -72,7 +72,7 @@ KdTree KdTree::build(const ShapeSpans& shapes, const KdTreeConfig& config) {
   view.root = data->arrays.root;
   view.nodes = data->arrays.nodes.data();
   view.blocks = data->arrays.blocks.data();
-  view.lines_ahead = static_cast<std::uint32_t>(data->arrays.lines_ahead);
+  view.lines_ahead = data->arrays.lines_ahead;
   view.mixed_leaves = data->arrays.mixed_leaves.data();
   view.solids = data->arrays.solids.data();
   view.ellipsoids = data->ellipsoids.data();

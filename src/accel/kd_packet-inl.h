@@ -37,6 +37,8 @@ inline constexpr std::size_t kFewNearLanes = 2;
 
 // Packets under way at a time: most of their time they wait for memory.
 inline constexpr std::size_t kPacketsInterleaved = 12;
+// So many packets after its own step what follows from it is done.
+inline constexpr std::size_t kPacketLag = 3;
 
 // So many packets ahead the rays are fetched, which are only read when their packet starts.
 inline constexpr std::size_t kPacketsAhead = 4;
@@ -127,7 +129,7 @@ template <bool kAny, class Sink>
 HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::size_t count,
                              VisibilityMask mask, Sink& sink) {
   SpreadState states[kPacketsInterleaved];
-  SeenBlock seen[kPacketsInterleaved];
+  SeenBlock seen[kPacketLag + 1];
   Candidates candidates;
   WorkLists<kPacketsInterleaved> lists{};
   PacketQueue queue(packets, count);
@@ -177,51 +179,52 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
     }
     const std::size_t inner = lists.count[WorkList::kInner];
     const std::size_t leaves = lists.count[WorkList::kLeaf];
+    if (inner == 0 && leaves == 0) {
+      if (lists.count[WorkList::kDone] == 0) break;
+      continue;
+    }
+    // A list that is gone through fills anew from its start.
     if (inner >= leaves) {
-      if (inner == 0) {
-        if (lists.count[WorkList::kDone] == 0) break;
-        continue;
-      }
-      for (std::size_t i = 0; i < inner; ++i) {
-        PacketState& p = states[lists.slot[WorkList::kInner][i]];
-        --p.budget;
-        PushChildren(view.nodes[p.current], p.tube, p.t_near, p.t_far, p.farthest, p.stack);
-      }
       lists.count[WorkList::kInner] = 0;
-      for (std::size_t i = 0; i < inner; ++i) {
-        const std::size_t s = lists.slot[WorkList::kInner][i];
-        states[s].pop();
-        PrefetchAll(view, states[s].current);
-        lists.add(states[s].current, s);
-      }
+      ForEachStaggered<kPacketLag>(
+          inner,
+          [&](std::size_t i) ABBE_INLINE_LAMBDA {
+            PacketState& p = states[lists.slot[WorkList::kInner][i]];
+            --p.budget;
+            PushChildren(view.nodes[p.current], p.tube, p.t_near, p.t_far, p.farthest, p.stack);
+          },
+          [&](std::size_t i) ABBE_INLINE_LAMBDA {
+            const std::size_t s = lists.slot[WorkList::kInner][i];
+            states[s].pop();
+            PrefetchAll(view, states[s].current);
+            lists.add(states[s].current, s);
+          });
     } else {
-      for (std::size_t i = 0; i < leaves; ++i) {
-        const std::size_t s = lists.slot[WorkList::kLeaf][i];
-        const KdChild leaf = states[s].current;
-        if (HWY_LIKELY((leaf & kMixedBit) == 0)) {
-          Look(view.block(leaf), states[s], seen[s]);
-        }
-      }
-      for (std::size_t i = 0; i < leaves; ++i) {
-        const std::size_t s = lists.slot[WorkList::kLeaf][i];
-        PacketState& p = states[s];
-        if (HWY_LIKELY((p.current & kMixedBit) == 0)) {
-          const TriangleBlock& block = view.block(p.current);
-          TestPacketBlock<kAny>(view, block, mask, seen[s], p, candidates);
-          p.push_next_block(block.next_lines);
-        } else {
-          TestMixedPacketLeaf<kAny>(view, mask, seen[s], p, candidates);
-        }
-      }
       lists.count[WorkList::kLeaf] = 0;
-      for (std::size_t i = 0; i < leaves; ++i) {
-        const std::size_t s = lists.slot[WorkList::kLeaf][i];
-        PacketState& p = states[s];
-        p.pop();
-        if ((kAny && p.active == 0) || p.budget < 0) p.stop();
-        PrefetchAll(view, p.current);
-        lists.add(p.current, s);
-      }
+      ForEachStaggered<kPacketLag>(
+          leaves,
+          [&](std::size_t i) ABBE_INLINE_LAMBDA {
+            const PacketState& p = states[lists.slot[WorkList::kLeaf][i]];
+            if (HWY_LIKELY((p.current & kMixedBit) == 0)) {
+              Look(view.block(p.current), p, seen[i % (kPacketLag + 1)]);
+            }
+          },
+          [&](std::size_t i) ABBE_INLINE_LAMBDA {
+            const std::size_t s = lists.slot[WorkList::kLeaf][i];
+            PacketState& p = states[s];
+            SeenBlock& block_seen = seen[i % (kPacketLag + 1)];
+            if (HWY_LIKELY((p.current & kMixedBit) == 0)) {
+              const TriangleBlock& block = view.block(p.current);
+              TestPacketBlock<kAny>(view, block, mask, block_seen, p, candidates);
+              p.push_next_block(block.next_lines);
+            } else {
+              TestMixedPacketLeaf<kAny>(view, mask, block_seen, p, candidates);
+            }
+            p.pop();
+            if ((kAny && p.active == 0) || p.budget < 0) p.stop();
+            PrefetchAll(view, p.current);
+            lists.add(p.current, s);
+          });
     }
   }
 }

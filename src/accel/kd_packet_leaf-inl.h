@@ -227,6 +227,14 @@ HWY_INLINE void Retire(PacketState& p, std::uint32_t lanes) {
   }
 }
 
+// What follows from hits of some lanes.
+template <bool kAny>
+HWY_INLINE void Shorten(PacketState& p, std::uint32_t lanes) {
+  if (kAny) Retire(p, lanes);
+  p.farthest = LargestLane(p.hits.t);
+  p.stack.drop_behind(p.farthest);
+}
+
 // What a block takes from the budget of a packet, in triangles.
 inline constexpr int kBlockCost = 2;
 
@@ -247,9 +255,7 @@ HWY_INLINE void TestPacketBlock(const KdView& view, const TriangleBlock& block, 
     found |= p.common_origin ? TestTriangles<kAny, true>(block, seen, p.groups[g], p, candidates)
                              : TestTriangles<kAny, false>(block, seen, p.groups[g], p, candidates);
   }
-  if (found == 0) return;
-  if (kAny) Retire(p, found);
-  p.farthest = LargestLane(p.hits.t);
+  if (found != 0) Shorten<kAny>(p, found);
 }
 
 template <bool kAny>
@@ -257,9 +263,7 @@ HWY_INLINE void TestPacketSolid(const KdView& view, std::uint32_t primitive, Vis
                                 PacketState& p) {
   if (!view.is_visible(primitive, mask)) return;
   const std::uint32_t found = TestSolidLanes(view, primitive, p);
-  if (found == 0) return;
-  if (kAny) Retire(p, found);
-  p.farthest = LargestLane(p.hits.t);
+  if (found != 0) Shorten<kAny>(p, found);
 }
 
 template <bool kAny>

@@ -8,6 +8,10 @@
 #include "accel/kd_tube.h"
 #include "accel/query.h"
 
+/// A lambda that is inlined wherever it is called, compiled for the instruction set of its
+/// function.
+#define ABBE_INLINE_LAMBDA HWY_ATTR __attribute__((always_inline))
+
 namespace abbe {
 
 inline constexpr KdChild kDoneChild = 0xffffffffu;
@@ -28,6 +32,12 @@ struct alignas(64) TraversalStack {
     t_near[1] = tube.t_near;
     t_far[1] = tube.t_far;
     top = tube.t_near <= tube.t_far ? 2 : 1;
+  }
+
+  /// Takes the cells off that begin behind t, down to the first that does not. Cells lie in order
+  /// but for the width of tubes, so hardly one is left below.
+  void drop_behind(float t) {
+    while (t_near[top - 1] > t) --top;
   }
 };
 
@@ -92,21 +102,18 @@ struct alignas(64) RayState {
     hit = found;
   }
 
-  /// Puts the block behind the current one on the stack, if there is one: no branch to guess.
+  /// Puts the block behind the current one on the stack, if there is one and the ray still needs
+  /// it: no branch to guess.
   void push_next_block(std::uint32_t next_lines) {
     stack.child[stack.top] = current + next_lines;
     stack.t_near[stack.top] = t_near;
     stack.t_far[stack.top] = t_far;
-    stack.top += next_lines != 0 ? 1 : 0;
+    stack.top += next_lines != 0 && t_near <= hit.t ? 1 : 0;
   }
 
-  /// Takes the nearest cell that is not behind the hit.
+  /// Takes the nearest cell. What is behind the hit was dropped when that was met.
   void pop() {
-    int top = stack.top;
-    do {
-      --top;
-    } while (stack.t_near[top] > hit.t);
-    stack.top = top;
+    const int top = --stack.top;
     current = stack.child[top];
     t_near = stack.t_near[top];
     t_far = stack.t_far[top];
@@ -166,21 +173,18 @@ struct alignas(64) PacketState {
   /// Whether `apart` divides the active lanes.
   bool is_parted() const { return apart != 0 && apart != active; }
 
-  /// Puts the block behind the current one on the stack, if there is one: no branch to guess.
+  /// Puts the block behind the current one on the stack, if there is one and a ray still needs it:
+  /// no branch to guess.
   void push_next_block(std::uint32_t next_lines) {
     stack.child[stack.top] = current + next_lines;
     stack.t_near[stack.top] = t_near;
     stack.t_far[stack.top] = t_far;
-    stack.top += next_lines != 0 ? 1 : 0;
+    stack.top += next_lines != 0 && t_near <= farthest ? 1 : 0;
   }
 
-  /// Takes the nearest cell that is not behind all hits.
+  /// Takes the nearest cell. What is behind all hits was dropped when they were met.
   void pop() {
-    int top = stack.top;
-    do {
-      --top;
-    } while (stack.t_near[top] > farthest);
-    stack.top = top;
+    const int top = --stack.top;
     current = stack.child[top];
     t_near = stack.t_near[top];
     t_far = stack.t_far[top];

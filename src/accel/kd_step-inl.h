@@ -262,6 +262,19 @@ HWY_INLINE void PrefetchAll(const KdView& view, KdChild cell) {
   }
 }
 
+// Does one thing for each of 0 to count − 1, and kLag calls later what follows from it: its outcome
+// is known by then, and the memory that what follows asks for is asked for bit by bit, as fast as
+// it comes. All at the end of a round, the requests would queue up, and the processor behind them.
+// Both must be inlined: they are too small to be called.
+template <std::size_t kLag, class First, class Then>
+HWY_INLINE void ForEachStaggered(std::size_t count, const First& first, const Then& then) {
+  for (std::size_t i = 0; i < count; ++i) {
+    first(i);
+    if (i >= kLag) then(i - kLag);
+  }
+  for (std::size_t i = count > kLag ? count - kLag : 0; i < count; ++i) then(i);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace abbe
 HWY_AFTER_NAMESPACE();

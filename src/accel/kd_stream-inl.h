@@ -87,7 +87,10 @@ HWY_INLINE void AcceptCandidates(const KdView& view, const TriangleBlock& block,
   }
 }
 
-inline constexpr std::size_t kInterleaved = 24;
+// Rays under way at a time.
+inline constexpr std::size_t kInterleaved = 32;
+// So many rays after its own step what follows from it is done.
+inline constexpr std::size_t kLag = 3;
 
 HWY_INLINE void TestMixedLeaf(const KdView& view, VisibilityMask mask, RayState& ray) {
   const MixedLeaf& mixed = view.mixed_leaves[ray.current & kIndexMask];
@@ -103,12 +106,19 @@ HWY_INLINE void TestMixedLeaf(const KdView& view, VisibilityMask mask, RayState&
   }
 }
 
+// Ends the ray where it has met something. Those that any hit will do for are done.
+template <bool kAny>
+HWY_INLINE void Shorten(RayState& ray) {
+  if (kAny && ray.hit.is_hit()) ray.hit.t = -kInfinity;
+  ray.stack.drop_behind(ray.hit.t);
+}
+
 // Traces the rays source.ray(i), i < source.count, that have met source.found(i) already, and hands
 // each to source.finish() when it is done.
 template <bool kAny, class Source>
 HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Source& source) {
   RayState states[kInterleaved];
-  BlockResult results[kInterleaved];
+  BlockResult results[kLag + 1];
   WorkLists<kInterleaved> lists{};
   const TubeMaker tubes(view.bounds);
   const std::size_t count = source.count;
@@ -134,50 +144,58 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
       ++next;
       lists.add(ray.current, s);
     }
-    if (lists.count[WorkList::kInner] >= lists.count[WorkList::kLeaf]) {
-      const std::size_t inner = lists.count[WorkList::kInner];
-      if (inner == 0) {
-        if (lists.count[WorkList::kDone] == 0) break;
-        continue;
-      }
-      for (std::size_t i = 0; i < inner; ++i) {
-        RayState& ray = states[lists.slot[WorkList::kInner][i]];
-        PushChildren(view.nodes[ray.current], ray.tube, ray.t_near, ray.t_far, ray.hit.t,
-                     ray.stack);
-      }
+    const std::size_t inner = lists.count[WorkList::kInner];
+    const std::size_t leaves = lists.count[WorkList::kLeaf];
+    if (inner == 0 && leaves == 0) {
+      if (lists.count[WorkList::kDone] == 0) break;
+      continue;
+    }
+    // A list that is gone through fills anew from its start.
+    if (inner >= leaves) {
       lists.count[WorkList::kInner] = 0;
-      for (std::size_t i = 0; i < inner; ++i) {
-        const std::size_t s = lists.slot[WorkList::kInner][i];
-        RayState& ray = states[s];
-        ray.pop();
-        PrefetchAll(view, ray.current);
-        lists.add(ray.current, s);
-      }
+      ForEachStaggered<kLag>(
+          inner,
+          [&](std::size_t i) ABBE_INLINE_LAMBDA {
+            RayState& ray = states[lists.slot[WorkList::kInner][i]];
+            PushChildren(view.nodes[ray.current], ray.tube, ray.t_near, ray.t_far, ray.hit.t,
+                         ray.stack);
+          },
+          [&](std::size_t i) ABBE_INLINE_LAMBDA {
+            const std::size_t s = lists.slot[WorkList::kInner][i];
+            RayState& ray = states[s];
+            ray.pop();
+            PrefetchAll(view, ray.current);
+            lists.add(ray.current, s);
+          });
     } else {
-      const std::size_t leaves = lists.count[WorkList::kLeaf];
-      for (std::size_t i = 0; i < leaves; ++i) {
-        const std::size_t s = lists.slot[WorkList::kLeaf][i];
-        const RayState& ray = states[s];
-        if (HWY_LIKELY((ray.current & kMixedBit) == 0)) {
-          TestBlock(view.block(ray.current), ray, results[s]);
-        }
-      }
       lists.count[WorkList::kLeaf] = 0;
-      for (std::size_t i = 0; i < leaves; ++i) {
-        const std::size_t s = lists.slot[WorkList::kLeaf][i];
-        RayState& ray = states[s];
-        if (HWY_LIKELY((ray.current & kMixedBit) == 0)) {
-          const TriangleBlock& block = view.block(ray.current);
-          AcceptCandidates(view, block, mask, results[s], ray);
-          ray.push_next_block(block.next_lines);
-        } else {
-          TestMixedLeaf(view, mask, ray);
-        }
-        ray.pop();
-        if (kAny && ray.hit.is_hit()) ray.current = kDoneChild;
-        PrefetchAll(view, ray.current);
-        lists.add(ray.current, s);
-      }
+      ForEachStaggered<kLag>(
+          leaves,
+          [&](std::size_t i) ABBE_INLINE_LAMBDA {
+            const RayState& ray = states[lists.slot[WorkList::kLeaf][i]];
+            if (HWY_LIKELY((ray.current & kMixedBit) == 0)) {
+              TestBlock(view.block(ray.current), ray, results[i % (kLag + 1)]);
+            }
+          },
+          [&](std::size_t i) ABBE_INLINE_LAMBDA {
+            const std::size_t s = lists.slot[WorkList::kLeaf][i];
+            RayState& ray = states[s];
+            if (HWY_LIKELY((ray.current & kMixedBit) == 0)) {
+              const TriangleBlock& block = view.block(ray.current);
+              const BlockResult& result = results[i % (kLag + 1)];
+              if (result.candidates != 0) {
+                AcceptCandidates(view, block, mask, result, ray);
+                Shorten<kAny>(ray);
+              }
+              ray.push_next_block(block.next_lines);
+            } else {
+              TestMixedLeaf(view, mask, ray);
+              Shorten<kAny>(ray);
+            }
+            ray.pop();
+            PrefetchAll(view, ray.current);
+            lists.add(ray.current, s);
+          });
     }
   }
 }

@@ -114,6 +114,14 @@ struct ClosestSink {
 
   ClosestSink(const KdView& v, VisibilityMask m, HitPacket* h) : view(v), mask(m), hits(h) {}
 
+  // Answers that will be written soon: a write that misses the caches holds up all behind it.
+  HWY_INLINE void fetch(std::size_t index) const {
+    constexpr int kToWrite = 1;
+    const char* const bytes = reinterpret_cast<const char*>(hits + index);
+    for (std::size_t i = 0; i < sizeof(HitPacket); i += 64) {
+      __builtin_prefetch(bytes + i, kToWrite);
+    }
+  }
   // Whether the answers are known without a search.
   HWY_INLINE bool answer_inside(const RayPacket& packet, std::size_t index) {
     return view.is_visible(packet.inside, mask) && LeaveLonelySolid(view, packet, hits[index]);
@@ -146,6 +154,7 @@ struct AnySink {
 
   AnySink(const KdView& v, VisibilityMask m, std::uint32_t* o) : view(v), mask(m), occluded(o) {}
 
+  HWY_INLINE void fetch(std::size_t) const {}
   HWY_INLINE bool answer_inside(const RayPacket&, std::size_t) { return false; }
   HWY_INLINE const HitPacket* found(std::size_t) const { return nullptr; }
   HWY_INLINE void begin_parts(std::size_t) {}

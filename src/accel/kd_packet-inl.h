@@ -40,7 +40,8 @@ inline constexpr std::size_t kPacketsInterleaved = 12;
 // So many packets after its own step what follows from it is done.
 inline constexpr std::size_t kPacketLag = 3;
 
-// So many packets ahead the rays are fetched, which are only read when their packet starts.
+// So many packets ahead the rays are fetched, which are only read when their packet starts, and the
+// place for their answers.
 inline constexpr std::size_t kPacketsAhead = 4;
 
 // A packet under way in an array of them. If they lay a whole page apart, the first lines of each
@@ -68,7 +69,10 @@ class PacketQueue {
     }
     while (next_ < count_) {
       index = next_++;
-      if (next_ + kPacketsAhead < count_) fetch(packets_[next_ + kPacketsAhead]);
+      if (next_ + kPacketsAhead < count_) {
+        fetch(packets_[next_ + kPacketsAhead]);
+        sink.fetch(next_ + kPacketsAhead);
+      }
       const std::uint32_t lanes = packets_[index].active & 0xffffu;
       if (HWY_LIKELY(lanes != 0)) return lanes;
       sink.answer_nothing(index);

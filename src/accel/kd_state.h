@@ -50,12 +50,21 @@ enum : std::size_t { kInner = 0, kLeaf = 1, kDone = 2 };
 /// ray by ray become loops over lists.
 template <std::size_t kSlots>
 struct WorkLists {
-  std::uint8_t slot[3][kSlots] = {};
+  std::uint8_t slot[3][kSlots + 1] = {};  ///< The last is written to, but never counts.
   std::size_t count[3] = {0, 0, 0};
 
+  /// Written to all three lists, of which one grows: which one is no address that the next must
+  /// wait for.
   void add(KdChild current, std::size_t s) {
-    const std::size_t list = (current >> 31) + (current == kDoneChild ? 1u : 0u);
-    slot[list][count[list]++] = static_cast<std::uint8_t>(s);
+    using namespace WorkList;
+    const std::size_t is_no_node = current >> 31;
+    const std::size_t is_done = current == kDoneChild ? 1 : 0;
+    for (const std::size_t list : {kInner, kLeaf, kDone}) {
+      slot[list][count[list]] = static_cast<std::uint8_t>(s);
+    }
+    count[kInner] += 1 - is_no_node;
+    count[kLeaf] += is_no_node - is_done;
+    count[kDone] += is_done;
   }
 };
 

@@ -26,10 +26,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 // What a packet may cost per ray before it is divided: it pays only while it meets few more cells
 // and triangles than one of its rays. Few rays go on alone.
 inline constexpr int kLaneBudget = 60;
-// The same for a packet whose rays go too different ways for the test against their line: about two
-// leaves. A scene of a few solids is hardly more than that, and divided packets meet all of it
-// again.
-inline constexpr int kScatteredBudget = 40;
+// The same for a packet in a scene of a few solids whose rays go too different ways for the test
+// against their line: divided packets would meet all of the scene again. Among many triangles such
+// packets are divided at once.
 inline constexpr int kFewSolidsBudget = 160;
 inline constexpr std::size_t kFewLanes = 4;
 // The same for rays near to one line that only a gap parts.
@@ -112,6 +111,11 @@ HWY_INLINE void AddPart(const RayPacket& packet, std::size_t index, std::uint32_
   }
 }
 
+// Whether the rays of a packet that was started may as well stay together.
+HWY_INLINE bool IsWorthTracing(const KdView& view, const PacketState& p) {
+  return p.has_line || view.triangle_count <= kFewTriangles;
+}
+
 // Lanes that were not worth tracing together: in two parts, or alone.
 template <class Sink>
 HWY_INLINE void Divide(const KdView& view, const RayPacket& packet, std::size_t index,
@@ -166,16 +170,20 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
         }
         StartPacket(start, packets[index], lanes, is_whole ? nullptr : sink.found(index), p);
         p.is_whole = is_whole;
-        if (HWY_LIKELY(!p.is_parted())) break;
+        if (HWY_LIKELY(!p.is_parted() && IsWorthTracing(view, p))) break;
         if (is_whole) sink.begin_parts(index);
+        if (!p.is_parted()) {
+          Divide(view, packets[index], index, lanes, queue, sink);
+          continue;
+        }
         const std::size_t few = p.has_line ? kFewNearLanes : kFewLanes;
         AddPart(packets[index], index, lanes & ~p.apart, few, queue, sink);
         AddPart(packets[index], index, p.apart, few, queue, sink);
       }
       if (lanes == 0) continue;
       p.index = index;
-      p.budget = view.triangle_count > kFewTriangles ? kScatteredBudget : kFewSolidsBudget;
-      if (p.has_line) p.budget = kLaneBudget * static_cast<int>(hwy::PopCount(lanes));
+      p.budget =
+          p.has_line ? kLaneBudget * static_cast<int>(hwy::PopCount(lanes)) : kFewSolidsBudget;
       p.stack.start(view.root, p.tube);
       p.pop();
       PrefetchAll(view, p.current);

@@ -67,8 +67,10 @@ HWY_INLINE void ShearLanes(const Row (&direction)[3], Row (&shear)[2], PacketSta
   }
 }
 
-// Beyond this slope between rays of a packet the tube is too wide to be of use.
-inline constexpr float kWidestSpread = 0.25f;
+// Beyond this slope between rays of a packet the tube is too wide to be of use among many
+// triangles, and beyond the next among few.
+inline constexpr float kWidestSpread = 0.08f;
+inline constexpr float kWidestSpreadOfFew = 0.25f;
 
 // A gap between the rays of a packet, in parts of its width, at which two packets are better.
 inline constexpr float kWidestGap = 0.2f;
@@ -101,10 +103,23 @@ HWY_INLINE std::uint32_t BelowGap(const Row& row, float low, float high, float w
   return gap > widest * (high - low) ? lanes : 0;
 }
 
+// What the start of a packet depends on, found once for all packets.
+struct StartScene {
+  TubeMaker tubes;
+  float least_spread = kInfinity;  // Packets that spread less are not parted.
+  float widest_spread = kWidestSpreadOfFew;
+
+  explicit StartScene(const KdView& view) : tubes(view.bounds) {
+    if (view.triangle_count <= kFewTriangles) return;
+    widest_spread = kWidestSpread;
+    least_spread = kLeastWidth / std::sqrt(static_cast<float>(view.triangle_count));
+  }
+};
+
 // Whether the rays of the packet are near to one line, whose slopes are between the given bounds:
 // sets the line's directions, and the lanes that are better traced apart.
 HWY_INLINE bool FindLine(const Row (&slope)[2], const float (&low)[2], const float (&high)[2],
-                         float least_z, float most_z, float least_spread, PacketState& p) {
+                         float least_z, float most_z, const StartScene& scene, PacketState& p) {
   p.apart = 0;
   if (!(least_z > 0.0f || most_z < 0.0f)) return false;
   p.is_z_positive = least_z > 0.0f;
@@ -113,8 +128,8 @@ HWY_INLINE bool FindLine(const Row (&slope)[2], const float (&low)[2], const flo
   p.line_shear_y = 0.5f * (low[1] + high[1]);
   p.spread_x = 0.5f * (high[0] - low[0]);
   p.spread_y = 0.5f * (high[1] - low[1]);
-  const bool is_narrow = p.spread_x < kWidestSpread && p.spread_y < kWidestSpread;
-  if (p.spread_x > least_spread || p.spread_y > least_spread) {
+  const bool is_narrow = p.spread_x < scene.widest_spread && p.spread_y < scene.widest_spread;
+  if (p.spread_x > scene.least_spread || p.spread_y > scene.least_spread) {
     const int wider = p.spread_x > p.spread_y ? 0 : 1;
     const float widest = is_narrow ? kWidestGap : kWidestScatteredGap;
     p.apart = BelowGap(slope[wider], low[wider], high[wider], widest) & p.active;
@@ -163,17 +178,6 @@ HWY_INLINE std::uint32_t SplitLanes(const KdView& view, const RayPacket& packet,
   return below & lanes;
 }
 
-// What the start of a packet depends on, found once for all packets.
-struct StartScene {
-  TubeMaker tubes;
-  float least_spread = kInfinity;  // Packets that spread less are not parted.
-
-  explicit StartScene(const KdView& view) : tubes(view.bounds) {
-    if (view.triangle_count <= kFewTriangles) return;
-    least_spread = kLeastWidth / std::sqrt(static_cast<float>(view.triangle_count));
-  }
-};
-
 // Makes some lanes of a packet ready to trace, with what they met before if that is given. Not when
 // some of them are better traced apart: then only p.apart says so.
 HWY_INLINE void StartPacket(const StartScene& scene, const RayPacket& packet, std::uint32_t lanes,
@@ -210,7 +214,7 @@ HWY_INLINE void StartPacket(const StartScene& scene, const RayPacket& packet, st
   const RowBounds directions = BoundsOf(direction[0], direction[1], direction[2], slope[1]);
   p.has_line =
       FindLine(slope, {origins.low[3], directions.low[3]}, {origins.high[3], directions.high[3]},
-               directions.low[axes.z], directions.high[axes.z], scene.least_spread, p);
+               directions.low[axes.z], directions.high[axes.z], scene, p);
   if (HWY_UNLIKELY(p.is_parted())) return;
 
   const auto never = hn::Set(d, -kInfinity);

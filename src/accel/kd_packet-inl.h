@@ -35,7 +35,7 @@ inline constexpr std::size_t kFewLanes = 4;
 inline constexpr std::size_t kFewNearLanes = 2;
 
 // Packets under way at a time: most of their time they wait for memory.
-inline constexpr std::size_t kPacketsInterleaved = 12;
+inline constexpr std::size_t kPacketsInterleaved = 16;
 // So many packets after its own step what follows from it is done.
 inline constexpr std::size_t kPacketLag = 3;
 

@@ -10,7 +10,8 @@ namespace abbe {
 /// Memory of at least `bytes`, zeroed, aligned to a cache line, or to 2 MiB when it is that large.
 /// Errors: std::bad_alloc.
 void* allocate_zeroed(std::size_t bytes);
-void release_memory(void* memory) noexcept;
+/// Gives back what allocate_zeroed(bytes) returned.
+void release_memory(void* memory, std::size_t bytes) noexcept;
 
 /// An array of plain records whose size is fixed when it is made.
 template <typename T>
@@ -20,7 +21,8 @@ class FlatArray {
  public:
   FlatArray() = default;
   explicit FlatArray(std::size_t size)
-      : data_(static_cast<T*>(allocate_zeroed(size * sizeof(T)))), size_(size) {}
+      : data_(static_cast<T*>(allocate_zeroed(size * sizeof(T))), Release{size * sizeof(T)}),
+        size_(size) {}
 
   T* data() { return data_.get(); }
   const T* data() const { return data_.get(); }
@@ -31,7 +33,8 @@ class FlatArray {
 
  private:
   struct Release {
-    void operator()(T* memory) const noexcept { release_memory(memory); }
+    std::size_t bytes = 0;
+    void operator()(T* memory) const noexcept { release_memory(memory, bytes); }
   };
   std::unique_ptr<T, Release> data_;
   std::size_t size_ = 0;

@@ -111,11 +111,6 @@ HWY_INLINE void AddPart(const RayPacket& packet, std::size_t index, std::uint32_
   }
 }
 
-// Whether the rays of a packet that was started may as well stay together.
-HWY_INLINE bool IsWorthTracing(const KdView& view, const PacketState& p) {
-  return p.has_line || view.triangle_count <= kFewTriangles;
-}
-
 // Lanes that were not worth tracing together: in two parts, or alone.
 template <class Sink>
 HWY_INLINE void Divide(const KdView& view, const RayPacket& packet, std::size_t index,
@@ -168,9 +163,11 @@ HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::
             sink.answer_inside(packets[index], index)) {
           continue;
         }
-        StartPacket(start, packets[index], lanes, is_whole ? nullptr : sink.found(index), p);
         p.is_whole = is_whole;
-        if (HWY_LIKELY(!p.is_parted() && IsWorthTracing(view, p))) break;
+        if (HWY_LIKELY(StartPacket(start, packets[index], lanes,
+                                   is_whole ? nullptr : sink.found(index), p))) {
+          break;
+        }
         if (is_whole) sink.begin_parts(index);
         if (!p.is_parted()) {
           Divide(view, packets[index], index, lanes, queue, sink);

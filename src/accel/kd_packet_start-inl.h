@@ -106,11 +106,13 @@ HWY_INLINE std::uint32_t BelowGap(const Row& row, float low, float high, float w
 // What the start of a packet depends on, found once for all packets.
 struct StartScene {
   TubeMaker tubes;
+  bool has_few_triangles;
   float least_spread = kInfinity;  // Packets that spread less are not parted.
   float widest_spread = kWidestSpreadOfFew;
 
-  explicit StartScene(const KdView& view) : tubes(view.bounds) {
-    if (view.triangle_count <= kFewTriangles) return;
+  explicit StartScene(const KdView& view)
+      : tubes(view.bounds), has_few_triangles(view.triangle_count <= kFewTriangles) {
+    if (has_few_triangles) return;
     widest_spread = kWidestSpread;
     least_spread = kLeastWidth / std::sqrt(static_cast<float>(view.triangle_count));
   }
@@ -178,9 +180,9 @@ HWY_INLINE std::uint32_t SplitLanes(const KdView& view, const RayPacket& packet,
   return below & lanes;
 }
 
-// Makes some lanes of a packet ready to trace, with what they met before if that is given. Not when
-// some of them are better traced apart: then only p.apart says so.
-HWY_INLINE void StartPacket(const StartScene& scene, const RayPacket& packet, std::uint32_t lanes,
+// Makes some lanes of a packet ready to trace, with what they met before if that is given. Returns
+// false when they are better traced apart: in two parts if p.apart says which, else divided anyhow.
+HWY_INLINE bool StartPacket(const StartScene& scene, const RayPacket& packet, std::uint32_t lanes,
                             const HitPacket* found, PacketState& p) {
   const LaneF d;
   const LaneU du;
@@ -215,7 +217,8 @@ HWY_INLINE void StartPacket(const StartScene& scene, const RayPacket& packet, st
   p.has_line =
       FindLine(slope, {origins.low[3], directions.low[3]}, {origins.high[3], directions.high[3]},
                directions.low[axes.z], directions.high[axes.z], scene, p);
-  if (HWY_UNLIKELY(p.is_parted())) return;
+  const bool is_scattered = !p.has_line && !scene.has_few_triangles;
+  if (HWY_UNLIKELY(p.is_parted() || is_scattered)) return false;
 
   const auto never = hn::Set(d, -kInfinity);
   const auto none = hn::Set(du, kNoPrimitive);
@@ -269,6 +272,7 @@ HWY_INLINE void StartPacket(const StartScene& scene, const RayPacket& packet, st
   p.half_x += slack;
   p.half_y += slack;
   p.half_z += slack;
+  return true;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -21,6 +21,32 @@ namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+// Whether a ray or packet may meet anything in a box up to a distance.
+HWY_INLINE bool MeetsBox(const RayTube& tube, const Box3f& box, float t_far) {
+  const hn::FixedTag<float, 4> d;
+  const auto low = hn::LoadU(d, &box.low.x);                        // And high.x.
+  const auto high = hn::Shuffle0321(hn::LoadU(d, &box.low.x + 2));  // And low.z.
+  const auto below = hn::Load(d, tube.reciprocal), above = hn::Load(d, tube.reciprocal + 4);
+  const auto t_below = hn::Mul(hn::Sub(high, hn::Load(d, tube.origin)), below);
+  const auto t_above = hn::Mul(hn::Sub(low, hn::Load(d, tube.origin + 4)), above);
+  const auto is_axis = hn::FirstN(d, 3);
+  const auto least = hn::Set(d, -kInfinity), most = hn::Set(d, kInfinity);
+  const auto enter = hn::Max(hn::IfNegativeThenElse(below, t_below, least),
+                             hn::IfNegativeThenElse(above, least, t_above));
+  const auto leave = hn::Min(hn::IfNegativeThenElse(below, most, t_below),
+                             hn::IfNegativeThenElse(above, t_above, most));
+  const float t_near =
+      std::max(hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElse(is_axis, enter, least))), 0.0f);
+  return t_near <=
+         std::min(hn::GetLane(hn::MinOfLanes(d, hn::IfThenElse(is_axis, leave, most))), t_far);
+}
+
+HWY_INLINE const Box3f& BoundsOfSolid(const KdView& view, std::uint32_t primitive) {
+  const std::uint32_t ellipsoid = primitive - view.triangle_count;
+  return ellipsoid < view.ellipsoid_count ? view.ellipsoids[ellipsoid].bounds
+                                          : view.polyhedra[ellipsoid - view.ellipsoid_count].bounds;
+}
+
 using WideD = hn::CappedTag<double, 8>;
 using WideV = hn::Vec<WideD>;
 using HalfF = hn::Rebind<float, WideD>;
@@ -87,6 +113,10 @@ HWY_INLINE void EllipsoidLanes(const Ellipsoid& ellipsoid, const LaneRays& p, fl
                         hn::Add(o.z, hn::Mul(closest, v.z))};
     const WideV inside = hn::Sub(one, Dot(q, q));
     const auto is_met = hn::Ge(inside, zero);
+    if (hn::AllFalse(d, is_met)) {
+      hn::StoreU(hn::Set(f, kInfinity), f, t + i);
+      continue;
+    }
     const WideV half_chord = hn::Sqrt(hn::Div(hn::Max(inside, zero), vv));
     const WideV c = hn::Sub(Dot(o, o), one);
     const WideV far = hn::IfThenElse(hn::Ge(closest, zero), hn::Add(closest, half_chord),
@@ -136,6 +166,25 @@ HWY_INLINE void PolyhedronLanes(const Plane* planes, std::uint32_t count, const 
   }
 }
 
+// Whether every lane starts beyond a plane of the polyhedron and goes further away from it, as rays
+// do that have just left it: not one is a hit, and no distance has to be found.
+HWY_INLINE bool LeavePolyhedron(const Plane* planes, std::uint32_t count, const LaneRays& p) {
+  const WideD d;
+  const WideV zero = hn::Zero(d);
+  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+    const WideVec3 o = LoadVec3(p.origin, i);
+    const WideVec3 v = LoadVec3(p.direction, i);
+    auto leaves = hn::Lt(zero, zero);
+    for (std::uint32_t k = 0; k < count && !hn::AllTrue(d, leaves); ++k) {
+      const WideV towards = DotWith(planes[k].normal, v);
+      const WideV distance = hn::Sub(hn::Set(d, planes[k].distance), DotWith(planes[k].normal, o));
+      leaves = hn::Or(leaves, hn::And(hn::Lt(distance, zero), hn::Ge(towards, zero)));
+    }
+    if (!hn::AllTrue(d, leaves)) return false;
+  }
+  return true;
+}
+
 // Distances to a solid for all lanes, and the faces of a polyhedron.
 HWY_INLINE void SolidLanes(const KdView& view, std::uint32_t primitive, const LaneRays& rays,
                            float* t, float* face) {
@@ -178,10 +227,16 @@ HWY_INLINE bool LeaveLonelySolid(const KdView& view, const RayPacket& packet, Hi
 // Tests a solid against the active lanes; returns those that it is the nearest hit of.
 HWY_INLINE std::uint32_t TestSolidLanes(const KdView& view, std::uint32_t primitive,
                                         PacketState& p) {
-  alignas(64) float ts[kPacketLanes];
-  alignas(64) float faces[kPacketLanes] = {};
+  if (!MeetsBox(p.tube, BoundsOfSolid(view, primitive), p.farthest)) return 0;
   const LaneRays rays{{p.origin[0], p.origin[1], p.origin[2]},
                       {p.direction[0], p.direction[1], p.direction[2]}};
+  const std::uint32_t ellipsoids_end = view.triangle_count + view.ellipsoid_count;
+  if (primitive >= ellipsoids_end) {
+    const ConvexPolyhedron& solid = view.polyhedra[primitive - ellipsoids_end];
+    if (LeavePolyhedron(view.planes + solid.first_plane, solid.plane_count, rays)) return 0;
+  }
+  alignas(64) float ts[kPacketLanes];
+  alignas(64) float faces[kPacketLanes] = {};
   SolidLanes(view, primitive, rays, ts, faces);
   const LaneF d;
   const LaneU du;

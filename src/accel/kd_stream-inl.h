@@ -13,6 +13,7 @@
 
 #include "accel/kd_corners-inl.h"
 #include "accel/kd_lanes-inl.h"
+#include "accel/kd_solids-inl.h"
 #include "accel/kd_state.h"
 #include "accel/kd_step-inl.h"
 
@@ -102,7 +103,10 @@ HWY_INLINE void TestMixedLeaf(const KdView& view, VisibilityMask mask, RayState&
     leaf = next_block(block, leaf);
   }
   for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
-    ray.test_solid(view.solids[mixed.first_solid + s], view, mask);
+    const std::uint32_t solid = view.solids[mixed.first_solid + s];
+    if (MeetsBox(ray.tube, BoundsOfSolid(view, solid), ray.hit.t)) {
+      ray.test_solid(solid, view, mask);
+    }
   }
 }
 

@@ -46,10 +46,9 @@ std::optional<SolidHit> intersect_polyhedron(const Ray& ray, std::span<const Pla
   for (std::uint32_t i = 0; i < planes.size(); ++i) {
     const double towards = glm::dot(planes[i].normal, d);
     const double distance = planes[i].distance - glm::dot(planes[i].normal, o);
-    if (towards == 0.0) {
-      if (distance < 0.0) return std::nullopt;
-      continue;
-    }
+    // Beyond the plane, and not on the way back to it.
+    if (distance < 0.0 && towards >= 0.0) return std::nullopt;
+    if (towards == 0.0) continue;
     const double t = distance / towards;
     if (towards < 0.0) {
       if (t > enter) {

@@ -83,14 +83,8 @@ class DirectLight {
     const D d;
     const int set = samples_[fan.sample].set;
     const Vec3f center = b_.at.position.get(lanes.front());
-    float radius_m = 0.0f;
-    if (fan.spread) {
-      for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
-        if (lanes.test(lane)) {
-          radius_m = std::max(radius_m, glm::distance(center, b_.at.position.get(lane)));
-        }
-      }
-    }
+    const float radius_m =
+        fan.spread ? LargestDistance(d, stride_, b_.at.position, lanes, center) : 0.0f;
     PixelOnSurface pixel;
     if (fan.depth == 0 && !fan.spread) {
       pixel = pixel_on_surface(samples_[fan.sample], kernel_,
@@ -110,46 +104,23 @@ class DirectLight {
       PlaceInGroup place;
       if (!may_light(group, center, radius_m, place)) continue;
       if (!is_in_bounds(place, group.reach, group.slope)) continue;
-      const LaneMask among = fan.spread ? place_lanes(group, lanes) : lanes;
+      const LaneMask among =
+          fan.spread ? places_.place(stride_, group, b_.at.position, lanes) : lanes;
       if (!among.any()) continue;
       for (std::uint32_t c = group.first_chain; c < group.first_chain + group.chain_count; ++c) {
         const PointChain& chain = world_.point_chains.chains[c];
-        if (!is_in_bounds(place, world_.point_chains, chain)) continue;
-        const LaneMask near = fan.spread ? lanes_in_bounds(chain, among) : among;
-        if (!near.any()) continue;
+        LaneMask near = among;
+        if (fan.spread) {
+          near = places_.in_bounds(stride_, world_.point_chains, chain, among);
+          if (!near.any()) continue;
+        } else if (!is_in_bounds(place, world_.point_chains, chain)) {
+          continue;
+        }
         PointChainLight<D> light(world_, chain, set);
         if (!light.run(b_.at.position, near, !fan.spread, to_light_, way_)) continue;
         send_arrived(chain, fan, lanes, material, rows, shading, rough, record_number);
       }
     }
-  }
-
-  // Puts each lane of a spread fan into the frame of a group; returns those that it may light.
-  LaneMask place_lanes(const PointChainGroup& group, const LaneMask& among) {
-    LaneMask found;
-    for (LaneMask left = among; left.any();) {
-      const int lane = left.front();
-      left.reset(lane);
-      PlaceInGroup& place = places_[static_cast<std::size_t>(lane)];
-      if (may_light(group, b_.at.position.get(lane), 0.0f, place) &&
-          is_in_bounds(place, group.reach, group.slope)) {
-        found.set(lane);
-      }
-    }
-    return found;
-  }
-
-  // Of these, the lanes that a chain may light.
-  LaneMask lanes_in_bounds(const PointChain& chain, const LaneMask& among) const {
-    LaneMask found;
-    for (LaneMask left = among; left.any();) {
-      const int lane = left.front();
-      left.reset(lane);
-      if (is_in_bounds(places_[static_cast<std::size_t>(lane)], world_.point_chains, chain)) {
-        found.set(lane);
-      }
-    }
-    return found;
   }
 
   // Notes the light that a chain brings, which lies in to_light_ and way_.
@@ -190,7 +161,7 @@ class DirectLight {
   const int stride_;
   LightGeometry to_light_;
   ChainWay way_;
-  std::array<PlaceInGroup, kMaxLanes> places_;  ///< Of a spread fan in a group of chains.
+  LanesInGroup<D> places_;  ///< Of a spread fan.
 };
 
 }  // namespace HWY_NAMESPACE

@@ -10,6 +10,8 @@
 
 #include <hwy/highway.h>
 
+#include <cmath>
+
 #include "integrate/interaction.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -98,6 +100,19 @@ HWY_INLINE void SetLanesFrom(D d, hn::Mask<D> mask, int i, LaneMask& lanes) {
   const std::uint32_t valid = hn::Lanes(d) >= 16 ? 0xffffu : (1u << hn::Lanes(d)) - 1u;
   const std::uint32_t bits = (bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8) & valid;
   lanes.set_block16(i / 16, bits << (i % 16));
+}
+
+/// The largest distance from a place to those of some lanes.
+template <class D>
+HWY_INLINE float LargestDistance(D d, int stride, const LaneArray3& places, const LaneMask& lanes,
+                                 const Vec3f& from) {
+  auto square = hn::Zero(d);
+  for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
+    const auto away =
+        Combine3(d, hn::Set(d, 1.0f), Load3(d, places, i), hn::Set(d, -1.0f), Set3(d, from));
+    square = hn::Max(square, hn::IfThenElseZero(LanesFrom(d, lanes, i), Dot3(d, away, away)));
+  }
+  return std::sqrt(hn::GetLane(hn::MaxOfLanes(d, square)));
 }
 
 /// The lanes of `among` whose value equals `value`.

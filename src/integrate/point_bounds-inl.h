@@ -21,6 +21,9 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
+/// A place that touches a face is in front of it, too: closer than this share of its coordinates.
+inline constexpr float kTouches = 4e-6f;
+
 /// Where a ball lies in the frame of a group of chains.
 struct PlaceInGroup {
   float height_m = 0.0f, radius_m = 0.0f;
@@ -32,8 +35,7 @@ inline bool may_light(const PointChainGroup& group, const Vec3f& center, float r
                       PlaceInGroup& place) {
   const Vec3f v = center - group.origin;
   place.height_m = glm::dot(v, group.normal);
-  // A place that touches the face is in front of it, too.
-  place.radius_m = radius_m + 4e-6f * (std::abs(v.x) + std::abs(v.y) + std::abs(v.z));
+  place.radius_m = radius_m + kTouches * (std::abs(v.x) + std::abs(v.y) + std::abs(v.z));
   if (place.height_m < -place.radius_m) return false;
   const float u = glm::dot(v, group.u);
   const float w = glm::dot(v, group.v);
@@ -66,6 +68,77 @@ inline bool is_in_bounds(const PlaceInGroup& place, const PointChains& all,
   }
   return false;
 }
+
+/// The places of the lanes of a spread fan in the frame of a group of chains.
+template <class D>
+class LanesInGroup {
+ public:
+  /// Returns those of `among` that the group may light.
+  LaneMask place(int stride, const PointChainGroup& group, const LaneArray3& positions,
+                 const LaneMask& among) {
+    const D d;
+    const V touches = hn::Set(d, kTouches);
+    LaneMask found;
+    for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
+      const auto wanted = LanesFrom(d, among, i);
+      if (hn::AllFalse(d, wanted)) continue;
+      const Vec3Of<D> v = Combine3(d, hn::Set(d, 1.0f), Load3(d, positions, i), hn::Set(d, -1.0f),
+                                   Set3(d, group.origin));
+      const V height = Dot3(d, v, Set3(d, group.normal));
+      const V radius = hn::Mul(touches, hn::Add(hn::Add(hn::Abs(v.x), hn::Abs(v.y)), hn::Abs(v.z)));
+      const V u = Dot3(d, v, Set3(d, group.u));
+      const V w = Dot3(d, v, Set3(d, group.v));
+      for (std::size_t k = 0; k < 8; ++k) {
+        hn::Store(
+            hn::Add(hn::Mul(u, hn::Set(d, kBoundCosine[k])), hn::Mul(w, hn::Set(d, kBoundSine[k]))),
+            d, along_m_[k].v + i);
+      }
+      hn::Store(radius, d, radius_m_.v + i);
+      hn::Store(hn::Max(height, hn::Zero(d)), d, height_m_.v + i);
+      const auto is_in_front = hn::And(wanted, hn::Ge(height, hn::Neg(radius)));
+      SetLanesFrom(d, in_cone(group.reach, group.slope, is_in_front, i), i, found);
+    }
+    return found;
+  }
+
+  /// Of these, those that a chain may light.
+  LaneMask in_bounds(int stride, const PointChains& all, const PointChain& chain,
+                     const LaneMask& among) const {
+    const D d;
+    LaneMask found;
+    for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
+      auto left = in_cone(chain.reach, chain.slope, LanesFrom(d, among, i), i);
+      const auto wanted = left;
+      const std::uint32_t last = chain.first_cone + chain.cone_count;
+      for (std::uint32_t c = chain.first_cone; c < last && !hn::AllFalse(d, left); ++c) {
+        left = hn::AndNot(in_cone(all.cones[c].reach, all.cones[c].slope, left, i), left);
+      }
+      SetLanesFrom(d, hn::AndNot(left, wanted), i, found);
+    }
+    return found;
+  }
+
+ private:
+  using V = VecOf<D>;
+
+  hn::Mask<D> in_cone(const std::array<float, 8>& reach, const std::array<float, 8>& slope,
+                      hn::Mask<D> among, int i) const {
+    const D d;
+    const V height = hn::Load(d, height_m_.v + i);
+    const V radius = hn::Load(d, radius_m_.v + i);
+    for (std::size_t k = 0; k < 8; ++k) {
+      const V grown = hn::Add(hn::Mul(height, hn::Set(d, slope[k])),
+                              hn::Mul(radius, hn::Set(d, 1.0f + std::abs(slope[k]))));
+      const V most = hn::Add(hn::Set(d, reach[k]), grown);
+      among = hn::And(among, hn::Le(hn::Load(d, along_m_[k].v + i), most));
+      if (hn::AllFalse(d, among)) break;
+    }
+    return among;
+  }
+
+  LaneArray height_m_, radius_m_;
+  std::array<LaneArray, 8> along_m_;  ///< Along the directions of the bounds.
+};
 
 /// The part of a ray [0, end_m) that may lie in the bounds of a chain or group; false where that is
 /// nothing.

@@ -87,10 +87,7 @@ class PointChainLight {
         if (lanes.test(lane)) sum += positions.get(lane);
       }
       center = sum / static_cast<float>(lanes.count());
-      for (int lane = 0; lane < lane_count; ++lane) {
-        if (!lanes.test(lane)) continue;
-        radius_m = std::max(radius_m, glm::distance(center, positions.get(lane)));
-      }
+      radius_m = LargestDistance(D(), world_.lanes.lane_stride(), positions, lanes, center);
     }
     middle_ = unfolded(center);
     if (count_ == 0) return true;

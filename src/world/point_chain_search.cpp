@@ -15,8 +15,8 @@ namespace {
 
 // Cones of a lamp are cut until they are narrower than this where they fall on a face, and smaller
 // than a share of the body, and until what they become is narrow enough to bound it well.
-constexpr double kNarrow_rad = 0.02;
-constexpr double kShareOfBody = 0.1;
+constexpr double kNarrow_rad = 0.005;
+constexpr double kShareOfBody = 0.03;
 constexpr double kStillNarrow_rad = 0.2;
 // How often a face may be halved for the first reason, and for the second.
 constexpr int kMostCuts = 10;

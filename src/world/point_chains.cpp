@@ -17,7 +17,7 @@ namespace {
 constexpr double kSlack = 1e-5;
 constexpr float kNoBound = 1e30f;
 // Parts that the light of a chain is bounded in; of more, neighbours share their bounds.
-constexpr std::size_t kMostCones = 32;
+constexpr std::size_t kMostCones = 64;
 
 bool comes_first(const Vec2d& a, const Vec2d& b) {
   return a.x != b.x ? a.x < b.x : a.y < b.y;

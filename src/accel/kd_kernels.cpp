@@ -78,20 +78,22 @@ struct AnyOfStragglers {
   }
 };
 
-// The answers of some lanes of a packet; t of lanes that met nothing is set. Lanes that take no
-// part have met nothing.
-HWY_INLINE void StoreAnswers(const HitPacket& hits, std::uint32_t lanes, HitPacket& out) {
+// The answers of some lanes of a packet, of the sixteen from the first; t of lanes that met nothing
+// is set. Lanes that take no part have met nothing.
+template <int kLanes>
+HWY_INLINE void StoreAnswers(const HitLanes<kLanes>& hits, std::size_t first, std::uint32_t lanes,
+                             HitPacket& out) {
   const LaneF d;
   const LaneU du;
   for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
-    const auto primitive = hn::Load(du, hits.primitive + i);
+    const auto primitive = hn::Load(du, hits.primitive + first + i);
     const auto is_none = hn::RebindMask(d, hn::Eq(primitive, hn::Set(du, kNoPrimitive)));
     const auto is_in = MaskOf(d, lanes, i);
-    const auto t = hn::IfThenElse(is_none, hn::Set(d, kInfinity), hn::Load(d, hits.t + i));
+    const auto t = hn::IfThenElse(is_none, hn::Set(d, kInfinity), hn::Load(d, hits.t + first + i));
     hn::BlendedStore(primitive, hn::RebindMask(du, is_in), du, out.primitive + i);
     hn::BlendedStore(t, is_in, d, out.t + i);
-    hn::BlendedStore(hn::Load(d, hits.u + i), is_in, d, out.u + i);
-    hn::BlendedStore(hn::Load(d, hits.v + i), is_in, d, out.v + i);
+    hn::BlendedStore(hn::Load(d, hits.u + first + i), is_in, d, out.u + i);
+    hn::BlendedStore(hn::Load(d, hits.v + first + i), is_in, d, out.v + i);
   }
 }
 
@@ -132,9 +134,11 @@ struct ClosestSink {
   HWY_INLINE void begin_parts(std::size_t index) { StoreNothing(hits[index]); }
   // A packet none of whose lanes takes part.
   HWY_INLINE void answer_nothing(std::size_t index) { StoreNothing(hits[index]); }
-  HWY_INLINE std::uint32_t finish(const PacketState& p) {
-    StoreAnswers(p.hits, p.is_whole ? 0xffffu : p.active, hits[p.index]);
-    return p.active;
+  // What lanes of a packet have met: the sixteen of `from` from the first.
+  template <int kLanes>
+  HWY_INLINE void finish(std::size_t index, const HitLanes<kLanes>& from, std::size_t first,
+                         std::uint32_t lanes, std::uint32_t) {
+    StoreAnswers(from, first, lanes, hits[index]);
   }
   HWY_INLINE void trace_alone(const RayPacket& packet, std::size_t index, std::uint32_t lanes) {
     stragglers.add(packet, index, lanes, hits + index);
@@ -159,9 +163,10 @@ struct AnySink {
   HWY_INLINE const HitPacket* found(std::size_t) const { return nullptr; }
   HWY_INLINE void begin_parts(std::size_t) {}
   HWY_INLINE void answer_nothing(std::size_t) {}
-  HWY_INLINE std::uint32_t finish(const PacketState& p) {
-    occluded[p.index] |= p.met;
-    return p.active;
+  template <int kLanes>
+  HWY_INLINE void finish(std::size_t index, const HitLanes<kLanes>&, std::size_t, std::uint32_t,
+                         std::uint32_t met) {
+    occluded[index] |= met;
   }
   HWY_INLINE void trace_alone(const RayPacket& packet, std::size_t index, std::uint32_t lanes) {
     stragglers.add(packet, index, lanes, nullptr);

@@ -1,4 +1,4 @@
-/// The sixteen lanes of a packet in as many vectors as the level needs, and their bit masks.
+/// The lanes of a packet or of two in as many vectors as the level needs, and their bit masks.
 /// Compiled once for each instruction set level.
 
 #if defined(ABBE_ACCEL_KD_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -36,31 +36,26 @@ HWY_INLINE std::uint32_t BitsOf(D d, M mask, std::size_t first) {
   return (bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8) << first;
 }
 
-HWY_INLINE float LargestLane(const float* values) {
+template <int kLanes>
+HWY_INLINE float LargestLane(const float (&values)[kLanes]) {
   const LaneF d;
   auto most = hn::Load(d, values);
-  for (std::size_t i = hn::Lanes(d); i < kPacketLanes; i += hn::Lanes(d)) {
+  for (std::size_t i = hn::Lanes(d); i < kLanes; i += hn::Lanes(d)) {
     most = hn::Max(most, hn::Load(d, values + i));
   }
   return hn::GetLane(hn::MaxOfLanes(d, most));
 }
 
-// The sixteen values of a row in registers.
+// The values of a row in registers.
+template <int kLanes>
 struct Row {
-  static constexpr std::size_t kVectors = kPacketLanes / hn::MaxLanes(LaneF());
+  static constexpr std::size_t kVectors = kLanes / hn::MaxLanes(LaneF());
   hn::Vec<LaneF> part[kVectors];
 };
 
-HWY_INLINE Row LoadRow(const float* from) {
-  Row row;
-  for (std::size_t i = 0; i < Row::kVectors; ++i) {
-    row.part[i] = hn::Load(LaneF(), from + i * hn::Lanes(LaneF()));
-  }
-  return row;
-}
-
-HWY_INLINE void StoreRow(const Row& row, float* to) {
-  for (std::size_t i = 0; i < Row::kVectors; ++i) {
+template <int kLanes>
+HWY_INLINE void StoreRow(const Row<kLanes>& row, float (&to)[kLanes]) {
+  for (std::size_t i = 0; i < Row<kLanes>::kVectors; ++i) {
     hn::Store(row.part[i], LaneF(), to + i * hn::Lanes(LaneF()));
   }
 }
@@ -84,10 +79,10 @@ struct Most {
   }
 };
 
-template <class Op>
-HWY_INLINE hn::Vec<LaneF> FoldRow(const Row& row) {
+template <class Op, int kLanes>
+HWY_INLINE hn::Vec<LaneF> FoldRow(const Row<kLanes>& row) {
   auto all = row.part[0];
-  for (std::size_t i = 1; i < Row::kVectors; ++i) all = Op::of(all, row.part[i]);
+  for (std::size_t i = 1; i < Row<kLanes>::kVectors; ++i) all = Op::of(all, row.part[i]);
   return all;
 }
 
@@ -103,9 +98,9 @@ HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> FoldBlocks(D d, hn::Vec<D> v) {
 }
 
 // Four reductions for the shuffles of one and a half.
-template <class Op>
-HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> FoldRows(const Row& a, const Row& b, const Row& c,
-                                                    const Row& e) {
+template <class Op, int kLanes>
+HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> FoldRows(const Row<kLanes>& a, const Row<kLanes>& b,
+                                                    const Row<kLanes>& c, const Row<kLanes>& e) {
   const LaneF d;
   const hn::Repartition<double, LaneF> pairs;
   const auto va = FoldRow<Op>(a), vb = FoldRow<Op>(b), vc = FoldRow<Op>(c), ve = FoldRow<Op>(e);
@@ -117,7 +112,9 @@ HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> FoldRows(const Row& a, const Row& b, 
                                   hn::BitCast(d, hn::InterleaveUpper(pairs, ab, ce))));
 }
 
-HWY_INLINE RowBounds BoundsOf(const Row& a, const Row& b, const Row& c, const Row& e) {
+template <int kLanes>
+HWY_INLINE RowBounds BoundsOf(const Row<kLanes>& a, const Row<kLanes>& b, const Row<kLanes>& c,
+                              const Row<kLanes>& e) {
   const hn::FixedTag<float, 4> d4;
   RowBounds bounds;
   const auto low = FoldRows<Least>(a, b, c, e), high = FoldRows<Most>(a, b, c, e);

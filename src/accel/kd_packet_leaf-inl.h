@@ -1,4 +1,4 @@
-/// The triangles and solids of a leaf against a packet of sixteen rays: those beside the packet are
+/// The triangles and solids of a leaf against a packet of rays, or two: those beside the packet are
 /// dropped sixteen at a time, and the rest is tested against sixteen rays at a time. Compiled once
 /// for each instruction set level.
 
@@ -27,8 +27,9 @@ struct alignas(64) SeenBlock {
   std::uint32_t near;                 ///< The triangles that the packet's rays may meet.
 };
 
-template <bool kLoose>
-HWY_INLINE void SeeBlock(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
+template <bool kLoose, int kLanes>
+HWY_INLINE void SeeBlock(const TriangleBlock& block, const PacketState<kLanes>& p,
+                         SeenBlock& seen) {
   const LaneF d;
   using V = hn::Vec<LaneF>;
   float* const moved[3] = {seen.vertices[p.axes.x], seen.vertices[p.axes.y],
@@ -75,7 +76,9 @@ HWY_INLINE void SeeBlock(const TriangleBlock& block, const PacketState& p, SeenB
 }
 
 // All triangles of a block, for a packet without a line.
-HWY_INLINE void SeeWholeBlock(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
+template <int kLanes>
+HWY_INLINE void SeeWholeBlock(const TriangleBlock& block, const PacketState<kLanes>& p,
+                              SeenBlock& seen) {
   const LaneF d;
   seen.near = (1u << block.triangle_count) - 1;
   for (int k = 0; k < 3; ++k) {
@@ -88,7 +91,8 @@ HWY_INLINE void SeeWholeBlock(const TriangleBlock& block, const PacketState& p, 
   }
 }
 
-HWY_INLINE void Look(const TriangleBlock& block, const PacketState& p, SeenBlock& seen) {
+template <int kLanes>
+HWY_INLINE void Look(const TriangleBlock& block, const PacketState<kLanes>& p, SeenBlock& seen) {
   if (HWY_UNLIKELY(!p.has_line)) {
     SeeWholeBlock(block, p, seen);
   } else if (HWY_LIKELY(block.is_loose == 0)) {
@@ -100,19 +104,21 @@ HWY_INLINE void Look(const TriangleBlock& block, const PacketState& p, SeenBlock
 
 // Triangles that some lane may have hit: what the test came to, the division still to be done. The
 // determinant of a lane that is beside the triangle is zero.
+template <int kLanes>
 struct alignas(64) Candidates {
-  float scaled_t[kBlockTriangles][kPacketLanes];
-  float determinant[kBlockTriangles][kPacketLanes];
-  float v[kBlockTriangles][kPacketLanes], w[kBlockTriangles][kPacketLanes];
+  float scaled_t[kBlockTriangles][kLanes];
+  float determinant[kBlockTriangles][kLanes];
+  float v[kBlockTriangles][kLanes], w[kBlockTriangles][kLanes];
   std::uint32_t id[kBlockTriangles];
 };
 
 // The triangles near the packet against the lanes of a group, with the same operations as for a
 // single ray. First all tests, without a branch on their outcome; then what they found, sorted by
 // distance in registers.
-template <bool kAny, bool kCommonOrigin>
+template <bool kAny, bool kCommonOrigin, int kLanes>
 HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const SeenBlock& seen,
-                                       const ShearGroup& group, PacketState& p, Candidates& found) {
+                                       const ShearGroup& group, PacketState<kLanes>& p,
+                                       Candidates<kLanes>& found) {
   const LaneF d;
   const LaneU du;
   using V = hn::Vec<LaneF>;
@@ -122,7 +128,7 @@ HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const SeenBlo
   const float* const row_z = kCommonOrigin ? seen.vertices[z] : block.row(z);
   const V zero = hn::Zero(d);
   std::uint32_t hit_lanes = 0;
-  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+  for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
     const V sx = hn::Load(d, p.shear_x + i);
     const V sy = hn::Load(d, p.shear_y + i);
     const V sz = hn::Load(d, p.shear_z + i);
@@ -216,11 +222,12 @@ HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const SeenBlo
 }
 
 // Lanes that need no further answer.
-HWY_INLINE void Retire(PacketState& p, std::uint32_t lanes) {
+template <int kLanes>
+HWY_INLINE void Retire(PacketState<kLanes>& p, std::uint32_t lanes) {
   const LaneF d;
   p.active &= ~lanes;
   p.met |= lanes;
-  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+  for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
     hn::Store(
         hn::IfThenElse(MaskOf(d, lanes, i), hn::Set(d, -kInfinity), hn::Load(d, p.hits.t + i)), d,
         p.hits.t + i);
@@ -228,8 +235,8 @@ HWY_INLINE void Retire(PacketState& p, std::uint32_t lanes) {
 }
 
 // What follows from hits of some lanes.
-template <bool kAny>
-HWY_INLINE void Shorten(PacketState& p, std::uint32_t lanes) {
+template <bool kAny, int kLanes>
+HWY_INLINE void Shorten(PacketState<kLanes>& p, std::uint32_t lanes) {
   if (kAny) Retire(p, lanes);
   p.farthest = LargestLane(p.hits.t);
   p.stack.drop_behind(p.farthest);
@@ -239,9 +246,10 @@ HWY_INLINE void Shorten(PacketState& p, std::uint32_t lanes) {
 inline constexpr int kBlockCost = 2;
 
 // The triangles of a block that was seen, with what follows from hits.
-template <bool kAny>
+template <bool kAny, int kLanes>
 HWY_INLINE void TestPacketBlock(const KdView& view, const TriangleBlock& block, VisibilityMask mask,
-                                SeenBlock& seen, PacketState& p, Candidates& candidates) {
+                                SeenBlock& seen, PacketState<kLanes>& p,
+                                Candidates<kLanes>& candidates) {
   if (HWY_UNLIKELY(view.masks != nullptr)) {
     for (std::uint32_t near = seen.near; near != 0; near &= near - 1) {
       const auto k = hwy::Num0BitsBelowLS1Bit_Nonzero32(near);
@@ -258,17 +266,17 @@ HWY_INLINE void TestPacketBlock(const KdView& view, const TriangleBlock& block, 
   if (found != 0) Shorten<kAny>(p, found);
 }
 
-template <bool kAny>
+template <bool kAny, int kLanes>
 HWY_INLINE void TestPacketSolid(const KdView& view, std::uint32_t primitive, VisibilityMask mask,
-                                PacketState& p) {
+                                PacketState<kLanes>& p) {
   if (!view.is_visible(primitive, mask)) return;
   const std::uint32_t found = TestSolidLanes(view, primitive, p);
   if (found != 0) Shorten<kAny>(p, found);
 }
 
-template <bool kAny>
+template <bool kAny, int kLanes>
 HWY_INLINE void TestMixedPacketLeaf(const KdView& view, VisibilityMask mask, SeenBlock& seen,
-                                    PacketState& p, Candidates& candidates) {
+                                    PacketState<kLanes>& p, Candidates<kLanes>& candidates) {
   const MixedLeaf& mixed = view.mixed_leaves[p.current & kIndexMask];
   for (KdChild leaf = mixed.triangles; leaf != kEmptyChild;) {
     const TriangleBlock& block = view.block(leaf);

@@ -1,5 +1,5 @@
-/// Makes a packet of sixteen rays ready to trace: its tube, its shears, the line it is near to.
-/// Compiled once for each instruction set level.
+/// Makes a packet of sixteen rays, or two of them, ready to trace: its tube, its shears, the line
+/// it is near to. Compiled once for each instruction set level.
 
 #if defined(ABBE_ACCEL_KD_PACKET_START_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ABBE_ACCEL_KD_PACKET_START_INL_H_
@@ -22,22 +22,34 @@ namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+using PacketRow = float (RayPacket::*)[kPacketLanes];
+
+// Where lane i of a row of a packet, or of two that lie behind each other, begins.
+HWY_INLINE const float* LaneOf(const RayPacket* packet, PacketRow row, std::size_t i) {
+  return packet[i / kPacketLanes].*row + i % kPacketLanes;
+}
+
 // A row with lanes that are not active repeating one that is, so that they widen nothing.
-HWY_INLINE Row FilledRow(const float* from, std::uint32_t active, std::size_t first_active) {
+template <int kLanes>
+HWY_INLINE Row<kLanes> FilledRow(const RayPacket* packet, PacketRow from, std::uint32_t active,
+                                 std::size_t first_active) {
   const LaneF d;
-  const auto fill = hn::Set(d, from[first_active]);
-  Row row = LoadRow(from);
-  for (std::size_t i = 0; i < Row::kVectors; ++i) {
-    row.part[i] = hn::IfThenElse(MaskOf(d, active, i * hn::Lanes(d)), row.part[i], fill);
+  const auto fill = hn::Set(d, *LaneOf(packet, from, first_active));
+  Row<kLanes> row;
+  for (std::size_t i = 0; i < Row<kLanes>::kVectors; ++i) {
+    const auto lanes = hn::Load(d, LaneOf(packet, from, i * hn::Lanes(d)));
+    row.part[i] = hn::IfThenElse(MaskOf(d, active, i * hn::Lanes(d)), lanes, fill);
   }
   return row;
 }
 
 // Sorts the lanes by the longest component of their directions, and shears each along it.
-HWY_INLINE void ShearLanes(const Row (&direction)[3], Row (&shear)[2], PacketState& p) {
+template <int kLanes>
+HWY_INLINE void ShearLanes(const Row<kLanes> (&direction)[3], Row<kLanes> (&shear)[2],
+                           PacketState<kLanes>& p) {
   const LaneF d;
   std::uint32_t x_longest = 0, y_longest = 0;
-  for (std::size_t i = 0; i < Row::kVectors; ++i) {
+  for (std::size_t i = 0; i < Row<kLanes>::kVectors; ++i) {
     const auto dx = direction[0].part[i], dy = direction[1].part[i], dz = direction[2].part[i];
     const auto x = hn::Abs(dx), y = hn::Abs(dy), z = hn::Abs(dz);
     const auto beyond_y = hn::Gt(x, y);
@@ -83,16 +95,20 @@ inline constexpr std::uint32_t kFewTriangles = 1000;
 // the triangles of the scene were one surface as wide as it is far away.
 inline constexpr float kLeastWidth = 6.0f;
 
+// The same for two packets to be traced as one.
+inline constexpr float kWidestPair = 12.0f;
+
 // Where rays are compared when a packet is divided, in parts of the longest side of the scene.
 inline constexpr float kSplitWay = 0.25f;
 
 // The lanes on one side of a gap that parts the lanes of a row, none if it is not wide enough.
-HWY_INLINE std::uint32_t BelowGap(const Row& row, float low, float high, float widest) {
+template <int kLanes>
+HWY_INLINE std::uint32_t BelowGap(const Row<kLanes>& row, float low, float high, float widest) {
   const LaneF d;
   const auto middle = hn::Set(d, low + 0.5f * (high - low));
   auto below = hn::Set(d, low), above = hn::Set(d, high);
   std::uint32_t lanes = 0;
-  for (std::size_t i = 0; i < Row::kVectors; ++i) {
+  for (std::size_t i = 0; i < Row<kLanes>::kVectors; ++i) {
     const auto v = row.part[i];
     const auto is_below = hn::Lt(v, middle);
     below = hn::IfThenElse(is_below, hn::Max(below, v), below);
@@ -109,19 +125,24 @@ struct StartScene {
   bool has_few_triangles;
   float least_spread = kInfinity;  // Packets that spread less are not parted.
   float widest_spread = kWidestSpreadOfFew;
+  float widest_pair = kWidestSpreadOfFew;
 
   explicit StartScene(const KdView& view)
       : tubes(view.bounds), has_few_triangles(view.triangle_count <= kFewTriangles) {
     if (has_few_triangles) return;
     widest_spread = kWidestSpread;
-    least_spread = kLeastWidth / std::sqrt(static_cast<float>(view.triangle_count));
+    const float triangle = 1.0f / std::sqrt(static_cast<float>(view.triangle_count));
+    least_spread = kLeastWidth * triangle;
+    widest_pair = std::min(kWidestPair * triangle, kWidestSpread);
   }
 };
 
 // Whether the rays of the packet are near to one line, whose slopes are between the given bounds:
 // sets the line's directions, and the lanes that are better traced apart.
-HWY_INLINE bool FindLine(const Row (&slope)[2], const float (&low)[2], const float (&high)[2],
-                         float least_z, float most_z, const StartScene& scene, PacketState& p) {
+template <int kLanes>
+HWY_INLINE bool FindLine(const Row<kLanes> (&slope)[2], const float (&low)[2],
+                         const float (&high)[2], float least_z, float most_z,
+                         const StartScene& scene, PacketState<kLanes>& p) {
   p.apart = 0;
   if (!(least_z > 0.0f || most_z < 0.0f)) return false;
   p.is_z_positive = least_z > 0.0f;
@@ -146,16 +167,18 @@ HWY_INLINE std::uint32_t SplitLanes(const KdView& view, const RayPacket& packet,
   const LaneF d;
   using V = hn::Vec<LaneF>;
   const auto first = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes));
-  const Row along[3] = {FilledRow(packet.direction_x, lanes, first),
-                        FilledRow(packet.direction_y, lanes, first),
-                        FilledRow(packet.direction_z, lanes, first)};
+  const Row<kPacketLanes> along[3] = {
+      FilledRow<kPacketLanes>(&packet, &RayPacket::direction_x, lanes, first),
+      FilledRow<kPacketLanes>(&packet, &RayPacket::direction_y, lanes, first),
+      FilledRow<kPacketLanes>(&packet, &RayPacket::direction_z, lanes, first)};
   // Where the rays are after a part of the way through the scene, so that directions and origins
   // can be compared.
-  Row at[3] = {FilledRow(packet.origin_x, lanes, first), FilledRow(packet.origin_y, lanes, first),
-               FilledRow(packet.origin_z, lanes, first)};
+  Row<kPacketLanes> at[3] = {FilledRow<kPacketLanes>(&packet, &RayPacket::origin_x, lanes, first),
+                             FilledRow<kPacketLanes>(&packet, &RayPacket::origin_y, lanes, first),
+                             FilledRow<kPacketLanes>(&packet, &RayPacket::origin_z, lanes, first)};
   const Vec3f size = view.bounds.high - view.bounds.low;
   const float longest = std::max({size.x, size.y, size.z});
-  for (std::size_t i = 0; i < Row::kVectors; ++i) {
+  for (std::size_t i = 0; i < Row<kPacketLanes>::kVectors; ++i) {
     const V x = along[0].part[i], y = along[1].part[i], z = along[2].part[i];
     const V most = hn::Max(hn::Max(hn::Abs(x), hn::Abs(y)), hn::Abs(z));
     const V way = hn::Div(hn::Set(d, kSplitWay * longest), most);
@@ -174,39 +197,47 @@ HWY_INLINE std::uint32_t SplitLanes(const KdView& view, const RayPacket& packet,
   }
   const V middle = hn::Set(d, bounds.low[widest] + 0.5f * width);
   std::uint32_t below = 0;
-  for (std::size_t i = 0; i < Row::kVectors; ++i) {
+  for (std::size_t i = 0; i < Row<kPacketLanes>::kVectors; ++i) {
     below |= BitsOf(d, hn::Lt(at[widest].part[i], middle), i * hn::Lanes(d));
   }
   return below & lanes;
 }
 
+// Whether a second packet starts where the first does, given the bounds of both.
+HWY_INLINE bool IsSameOrigin(const RayPacket& second, const RowBounds& origins) {
+  return second.common_origin && origins.low[0] == origins.high[0] &&
+         origins.low[1] == origins.high[1] && origins.low[2] == origins.high[2];
+}
+
 // Makes some lanes of a packet ready to trace, with what they met before if that is given. Returns
-// false when they are better traced apart: in two parts if p.apart says which, else divided anyhow.
-HWY_INLINE bool StartPacket(const StartScene& scene, const RayPacket& packet, std::uint32_t lanes,
-                            const HitPacket* found, PacketState& p) {
+// false when they are better traced apart: in two parts if p.apart says which, else divided anyhow;
+// two packets as two. Lanes of the second packet follow those of the first.
+template <int kLanes>
+HWY_INLINE bool StartPacket(const StartScene& scene, const RayPacket* packet, std::uint32_t lanes,
+                            const HitPacket* found, PacketState<kLanes>& p) {
   const LaneF d;
   const LaneU du;
   constexpr std::size_t kWidth = hn::MaxLanes(LaneF());
   p.active = lanes;
   p.met = 0;
-  p.common_origin = packet.common_origin;
   const auto first = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(p.active));
-  const Row direction[3] = {FilledRow(packet.direction_x, lanes, first),
-                            FilledRow(packet.direction_y, lanes, first),
-                            FilledRow(packet.direction_z, lanes, first)};
-  const Row origin[3] = {FilledRow(packet.origin_x, lanes, first),
-                         FilledRow(packet.origin_y, lanes, first),
-                         FilledRow(packet.origin_z, lanes, first)};
+  const Row<kLanes> direction[3] = {
+      FilledRow<kLanes>(packet, &RayPacket::direction_x, lanes, first),
+      FilledRow<kLanes>(packet, &RayPacket::direction_y, lanes, first),
+      FilledRow<kLanes>(packet, &RayPacket::direction_z, lanes, first)};
+  const Row<kLanes> origin[3] = {FilledRow<kLanes>(packet, &RayPacket::origin_x, lanes, first),
+                                 FilledRow<kLanes>(packet, &RayPacket::origin_y, lanes, first),
+                                 FilledRow<kLanes>(packet, &RayPacket::origin_z, lanes, first)};
   for (int k = 0; k < 3; ++k) {
     StoreRow(direction[k], p.direction[k]);
     StoreRow(origin[k], p.origin[k]);
   }
-  Row slope[2];
+  Row<kLanes> slope[2];
   ShearLanes(direction, slope, p);
   p.axes = p.groups[0].axes;
   const ShearAxes axes = p.axes;
   if (p.group_count > 1) {
-    for (std::size_t i = 0; i < Row::kVectors; ++i) {
+    for (std::size_t i = 0; i < Row<kLanes>::kVectors; ++i) {
       const auto z = hn::Load(d, p.direction[axes.z] + i * kWidth);
       slope[0].part[i] = hn::Div(hn::Load(d, p.direction[axes.x] + i * kWidth), z);
       slope[1].part[i] = hn::Div(hn::Load(d, p.direction[axes.y] + i * kWidth), z);
@@ -214,17 +245,22 @@ HWY_INLINE bool StartPacket(const StartScene& scene, const RayPacket& packet, st
   }
   const RowBounds origins = BoundsOf(origin[0], origin[1], origin[2], slope[0]);
   const RowBounds directions = BoundsOf(direction[0], direction[1], direction[2], slope[1]);
+  p.common_origin = packet[0].common_origin;
+  if constexpr (kLanes > kPacketLanes) p.common_origin &= IsSameOrigin(packet[1], origins);
   p.has_line =
       FindLine(slope, {origins.low[3], directions.low[3]}, {origins.high[3], directions.high[3]},
                directions.low[axes.z], directions.high[axes.z], scene, p);
-  const bool is_scattered = !p.has_line && !scene.has_few_triangles;
+  bool is_scattered = !p.has_line && !scene.has_few_triangles;
+  if constexpr (kLanes > kPacketLanes) {
+    is_scattered = !p.has_line || std::max(p.spread_x, p.spread_y) > scene.widest_pair;
+  }
   if (HWY_UNLIKELY(p.is_parted() || is_scattered)) return false;
 
   const auto never = hn::Set(d, -kInfinity);
   const auto none = hn::Set(du, kNoPrimitive);
-  Row ends;
-  for (std::size_t i = 0; i < Row::kVectors; ++i) {
-    auto t = hn::Load(d, packet.t_max + i * kWidth);
+  Row<kLanes> ends;
+  for (std::size_t i = 0; i < Row<kLanes>::kVectors; ++i) {
+    auto t = hn::Load(d, LaneOf(packet, &RayPacket::t_max, i * kWidth));
     auto u = hn::Zero(d), v = hn::Zero(d);
     auto primitive = none;
     if (found != nullptr) {
@@ -245,12 +281,12 @@ HWY_INLINE bool StartPacket(const StartScene& scene, const RayPacket& packet, st
   p.line_y = p.origin[axes.y][0];
   p.line_z = p.origin[axes.z][0];
   p.half_x = p.half_y = p.half_z = 0.0f;
-  if (packet.common_origin || !p.has_line) {
+  if (p.common_origin || !p.has_line) {
     p.farthest = LargestLane(p.hits.t);
   } else {
     // Where the rays are at z = 0 of the line.
-    Row at_x, at_y, away;
-    for (std::size_t i = 0; i < Row::kVectors; ++i) {
+    Row<kLanes> at_x, at_y, away;
+    for (std::size_t i = 0; i < Row<kLanes>::kVectors; ++i) {
       const auto z = hn::Sub(hn::Load(d, p.origin[axes.z] + i * kWidth), hn::Set(d, p.line_z));
       const auto x = hn::Sub(hn::Load(d, p.origin[axes.x] + i * kWidth), hn::Set(d, p.line_x));
       const auto y = hn::Sub(hn::Load(d, p.origin[axes.y] + i * kWidth), hn::Set(d, p.line_y));

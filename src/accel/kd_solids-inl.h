@@ -55,7 +55,8 @@ struct WideVec3 {
   WideV x, y, z;
 };
 
-// The rays of sixteen lanes, wherever they lie.
+// The rays of a packet or of two, wherever they lie.
+template <int kLanes>
 struct LaneRays {
   const float* origin[3];
   const float* direction[3];
@@ -96,11 +97,12 @@ HWY_INLINE hn::Vec<HalfF> FirstRoot(WideV first, WideV second) {
 }
 
 // Distances to an ellipsoid for the lanes of the packet; infinity where it is not met.
-HWY_INLINE void EllipsoidLanes(const Ellipsoid& ellipsoid, const LaneRays& p, float* t) {
+template <int kLanes>
+HWY_INLINE void EllipsoidLanes(const Ellipsoid& ellipsoid, const LaneRays<kLanes>& p, float* t) {
   const WideD d;
   const HalfF f;
   const Vec3d& offset = ellipsoid.world_to_unit_offset;
-  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+  for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
     WideVec3 o = Transform(ellipsoid.world_to_unit_linear, LoadVec3(p.origin, i));
     o = {hn::Add(o.x, hn::Set(d, offset.x)), hn::Add(o.y, hn::Set(d, offset.y)),
          hn::Add(o.z, hn::Set(d, offset.z))};
@@ -130,13 +132,14 @@ HWY_INLINE void EllipsoidLanes(const Ellipsoid& ellipsoid, const LaneRays& p, fl
 }
 
 // The same for a polyhedron, with the face that was met.
-HWY_INLINE void PolyhedronLanes(const Plane* planes, std::uint32_t count, const LaneRays& p,
+template <int kLanes>
+HWY_INLINE void PolyhedronLanes(const Plane* planes, std::uint32_t count, const LaneRays<kLanes>& p,
                                 float* t, float* face) {
   const WideD d;
   const HalfF f;
   const WideV zero = hn::Zero(d);
   const WideV never = hn::Set(d, std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+  for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
     const WideVec3 o = LoadVec3(p.origin, i);
     const WideVec3 v = LoadVec3(p.direction, i);
     WideV enter = hn::Neg(never), leave = never;
@@ -168,10 +171,12 @@ HWY_INLINE void PolyhedronLanes(const Plane* planes, std::uint32_t count, const 
 
 // Whether every lane starts beyond a plane of the polyhedron and goes further away from it, as rays
 // do that have just left it: not one is a hit, and no distance has to be found.
-HWY_INLINE bool LeavePolyhedron(const Plane* planes, std::uint32_t count, const LaneRays& p) {
+template <int kLanes>
+HWY_INLINE bool LeavePolyhedron(const Plane* planes, std::uint32_t count,
+                                const LaneRays<kLanes>& p) {
   const WideD d;
   const WideV zero = hn::Zero(d);
-  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+  for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
     const WideVec3 o = LoadVec3(p.origin, i);
     const WideVec3 v = LoadVec3(p.direction, i);
     auto leaves = hn::Lt(zero, zero);
@@ -186,8 +191,9 @@ HWY_INLINE bool LeavePolyhedron(const Plane* planes, std::uint32_t count, const 
 }
 
 // Distances to a solid for all lanes, and the faces of a polyhedron.
-HWY_INLINE void SolidLanes(const KdView& view, std::uint32_t primitive, const LaneRays& rays,
-                           float* t, float* face) {
+template <int kLanes>
+HWY_INLINE void SolidLanes(const KdView& view, std::uint32_t primitive,
+                           const LaneRays<kLanes>& rays, float* t, float* face) {
   const std::uint32_t ellipsoid = primitive - view.triangle_count;
   if (ellipsoid < view.ellipsoid_count) {
     EllipsoidLanes(view.ellipsoids[ellipsoid], rays, t);
@@ -202,8 +208,8 @@ HWY_INLINE void SolidLanes(const KdView& view, std::uint32_t primitive, const La
 HWY_INLINE bool LeaveLonelySolid(const KdView& view, const RayPacket& packet, HitPacket& hits) {
   alignas(64) float ts[kPacketLanes];
   alignas(64) float faces[kPacketLanes] = {};
-  const LaneRays rays{{packet.origin_x, packet.origin_y, packet.origin_z},
-                      {packet.direction_x, packet.direction_y, packet.direction_z}};
+  const LaneRays<kPacketLanes> rays{{packet.origin_x, packet.origin_y, packet.origin_z},
+                                    {packet.direction_x, packet.direction_y, packet.direction_z}};
   SolidLanes(view, packet.inside, rays, ts, faces);
   const LaneF d;
   const LaneU du;
@@ -225,23 +231,24 @@ HWY_INLINE bool LeaveLonelySolid(const KdView& view, const RayPacket& packet, Hi
 }
 
 // Tests a solid against the active lanes; returns those that it is the nearest hit of.
+template <int kLanes>
 HWY_INLINE std::uint32_t TestSolidLanes(const KdView& view, std::uint32_t primitive,
-                                        PacketState& p) {
+                                        PacketState<kLanes>& p) {
   if (!MeetsBox(p.tube, BoundsOfSolid(view, primitive), p.farthest)) return 0;
-  const LaneRays rays{{p.origin[0], p.origin[1], p.origin[2]},
-                      {p.direction[0], p.direction[1], p.direction[2]}};
+  const LaneRays<kLanes> rays{{p.origin[0], p.origin[1], p.origin[2]},
+                              {p.direction[0], p.direction[1], p.direction[2]}};
   const std::uint32_t ellipsoids_end = view.triangle_count + view.ellipsoid_count;
   if (primitive >= ellipsoids_end) {
     const ConvexPolyhedron& solid = view.polyhedra[primitive - ellipsoids_end];
     if (LeavePolyhedron(view.planes + solid.first_plane, solid.plane_count, rays)) return 0;
   }
-  alignas(64) float ts[kPacketLanes];
-  alignas(64) float faces[kPacketLanes] = {};
+  alignas(64) float ts[kLanes];
+  alignas(64) float faces[kLanes] = {};
   SolidLanes(view, primitive, rays, ts, faces);
   const LaneF d;
   const LaneU du;
   std::uint32_t found = 0;
-  for (std::size_t i = 0; i < kPacketLanes; i += hn::Lanes(d)) {
+  for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
     const auto t = hn::Load(d, ts + i);
     const auto best = hn::Load(d, p.hits.t + i);
     const auto held = hn::Load(du, p.hits.primitive + i);

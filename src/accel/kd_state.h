@@ -145,12 +145,25 @@ struct ShearGroup {
   std::uint32_t lanes = 0;
 };
 
-/// Sixteen rays under way together.
+inline constexpr int kPairLanes = 2 * kPacketLanes;
+inline constexpr std::uint32_t kAllLanes = (1u << kPacketLanes) - 1u;  ///< Of one packet.
+
+/// What the rays of a packet or of two have met, as HitPacket has it.
+template <int kLanes>
+struct alignas(64) HitLanes {
+  float t[kLanes], u[kLanes], v[kLanes];
+  std::uint32_t primitive[kLanes];
+};
+
+/// Sixteen rays under way together, or the thirty-two of two packets.
+template <int kWidth>
 struct alignas(64) PacketState {
-  float origin[3][kPacketLanes];
-  float direction[3][kPacketLanes];
-  float shear_x[kPacketLanes], shear_y[kPacketLanes], shear_z[kPacketLanes];
-  HitPacket hits;  ///< hits.t shrinks; lanes that are done or not active have −infinity.
+  static constexpr int kLanes = kWidth;
+
+  float origin[3][kLanes];
+  float direction[3][kLanes];
+  float shear_x[kLanes], shear_y[kLanes], shear_z[kLanes];
+  HitLanes<kLanes> hits;  ///< hits.t shrinks; lanes that are done or not active have −infinity.
   RayTube tube;
   ShearGroup groups[3];
   int group_count = 0;
@@ -169,8 +182,8 @@ struct alignas(64) PacketState {
   float longest_z = 0.0f;  ///< Largest |direction| along axes.z.
   bool is_z_positive = true;
   bool common_origin = false;
-  bool is_whole = true;  ///< All active lanes of a packet, not a part of them.
-  std::size_t index = 0;
+  bool is_whole = true;               ///< All active lanes of a packet, not a part of them.
+  std::size_t index = 0;              ///< Of the packet, or the first of two.
   int budget = 0;                     ///< Work left before the rays go on alone.
   KdChild current = kDoneChild;       ///< The cell the packet is in.
   float t_near = 0.0f, t_far = 0.0f;  ///< Where it is in there.

@@ -66,18 +66,18 @@ HWY_INLINE std::uint32_t FinishPair(const PacketState<kPairLanes>& p, Sink& sink
 // Packets under way, one or two in each place.
 template <bool kAny, int kLanes>
 struct PacketsUnderWay {
-  static constexpr std::size_t kNone = ~std::size_t{0};
-
   SpreadState<kLanes> states[kPacketsInterleaved];
   SeenBlock seen[kPacketLag + 1];
   Candidates<kLanes> candidates;
   WorkLists<kPacketsInterleaved> lists{};
-  std::size_t count = 0;
+  // A bit for each place that holds packets: a new place is not touched before it is used, for most
+  // calls are short.
+  std::uint32_t taken = 0;
+  static_assert(kPacketsInterleaved <= 32);
 
   PacketsUnderWay() {
     for (std::size_t s = 0; s < kPacketsInterleaved; ++s) {
       lists.slot[WorkList::kDone][s] = static_cast<std::uint8_t>(s);
-      states[s].index = kNone;
     }
     lists.count[WorkList::kDone] = kPacketsInterleaved;
   }
@@ -91,18 +91,17 @@ struct PacketsUnderWay {
     for (std::size_t i = 0; i < done; ++i) {
       const std::size_t s = lists.slot[WorkList::kDone][i];
       PacketState<kLanes>& p = states[s];
-      if (p.index != kNone) {
-        finish(p);
-        p.index = kNone;
-        --count;
+      const std::uint32_t place = 1u << s;
+      if ((taken & place) != 0) finish(p);
+      if (!start(p)) {
+        taken &= ~place;
+        lists.add(kDoneChild, s);
+        continue;
       }
-      p.current = kDoneChild;
-      if (start(p)) {
-        ++count;
-        p.stack.start(view.root, p.tube);
-        p.pop();
-        PrefetchAll(view, p.current);
-      }
+      taken |= place;
+      p.stack.start(view.root, p.tube);
+      p.pop();
+      PrefetchAll(view, p.current);
       lists.add(p.current, s);
     }
   }
@@ -186,7 +185,7 @@ class PairTracer {
     };
     while (true) {
       under_way_.refill(view, finish, start);
-      if (under_way_.count == 0) return next_ == count_;
+      if (under_way_.taken == 0) return next_ == count_;
       if (queue.is_full()) return false;
       under_way_.go_on(view, mask);
     }
@@ -252,7 +251,7 @@ class QueueTracer {
                            ABBE_INLINE_LAMBDA { return take(scene, view, queue, p, sink); };
     while (true) {
       under_way_.refill(view, finish, start);
-      if (under_way_.count == 0 || (queue.is_empty() && !is_last)) return;
+      if (under_way_.taken == 0 || (queue.is_empty() && !is_last)) return;
       under_way_.go_on(view, mask);
     }
   }

@@ -185,13 +185,19 @@ class Maker {
     std::vector<ConeBounds>& parts = world_.point_chains.cones;
     chain.first_cone = static_cast<std::uint32_t>(parts.size());
     const std::size_t share = (cones.size() + kMostCones - 1) / kMostCones;
-    Bounds all;
+    Bounds all, bunch;
+    chain.first_bunch = static_cast<std::uint32_t>(world_.point_chains.bunches.size());
     for (std::size_t first = 0; first < cones.size(); first += share) {
       Bounds part;
       const std::size_t last = std::min(first + share, cones.size());
       for (std::size_t i = first; i < last; ++i) part.include(cones[i]);
       all.include(part);
       parts.push_back(part.rounded());
+      bunch.include(part);
+      if ((parts.size() - chain.first_cone) % kConesInBunch == 0 || last == cones.size()) {
+        world_.point_chains.bunches.push_back(bunch.rounded());
+        bunch = Bounds();
+      }
     }
     chain.cone_count = static_cast<std::uint32_t>(parts.size()) - chain.first_cone;
     const ConeBounds rounded = all.rounded();

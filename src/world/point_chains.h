@@ -52,6 +52,8 @@ struct ConeBounds {
   std::array<float, 8> reach{}, slope{};
 };
 
+inline constexpr std::uint32_t kConesInBunch = 8;
+
 /// A chain of a point or spot light.
 struct PointChain : ChainPath {
   std::vector<UnfoldedFace> faces;                  ///< Of each step.
@@ -64,6 +66,8 @@ struct PointChain : ChainPath {
   std::array<float, 8> reach{}, slope{};  ///< Bounds of all its light, as of a ConeBounds.
   /// Its light in parts, of PointChains::cones: no place is lit that lies in none of them.
   std::uint32_t first_cone = 0, cone_count = 0;
+  /// Bounds of each kConesInBunch of them, the last of the rest, in PointChains::bunches.
+  std::uint32_t first_bunch = 0;
 };
 
 /// Chains of one light that end at the same face and side; they share a frame.
@@ -80,7 +84,7 @@ struct PointChainGroup {
 struct PointChains {
   std::vector<PointChain> chains;
   std::vector<PointChainGroup> groups;  ///< Largest first, and so are the chains in each.
-  std::vector<ConeBounds> cones;
+  std::vector<ConeBounds> cones, bunches;
   std::vector<FaceFrame> frames;  ///< Of all faces of World::flat; empty without point lights.
 };
 

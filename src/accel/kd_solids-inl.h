@@ -142,23 +142,31 @@ HWY_INLINE void PolyhedronLanes(const Plane* planes, std::uint32_t count, const 
   for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
     const WideVec3 o = LoadVec3(p.origin, i);
     const WideVec3 v = LoadVec3(p.direction, i);
-    WideV enter = hn::Neg(never), leave = never;
+    // As intersect_polyhedron() has it.
+    const WideV one = hn::Set(d, 1.0);
+    WideV enter_way = hn::Neg(one), enter_slope = zero;
+    WideV leave_way = one, leave_slope = zero;
     WideV enter_face = zero, leave_face = zero;
     auto is_outside = hn::Lt(zero, zero);
     for (std::uint32_t k = 0; k < count; ++k) {
       const WideV index = hn::Set(d, static_cast<double>(k));
       const WideV towards = DotWith(planes[k].normal, v);
       const WideV distance = hn::Sub(hn::Set(d, planes[k].distance), DotWith(planes[k].normal, o));
-      const WideV at = hn::Div(distance, towards);
-      const auto is_parallel = hn::Eq(towards, zero);
-      is_outside = hn::Or(is_outside, hn::And(is_parallel, hn::Lt(distance, zero)));
-      const auto enters = hn::And(hn::Lt(towards, zero), hn::Gt(at, enter));
-      const auto leaves = hn::And(hn::Gt(towards, zero), hn::Lt(at, leave));
-      enter = hn::IfThenElse(enters, at, enter);
+      const WideV behind = hn::Neg(distance), away = hn::Neg(towards);
+      is_outside = hn::Or(is_outside, hn::And(hn::Lt(distance, zero), hn::Ge(towards, zero)));
+      const auto enters = hn::And(hn::Lt(towards, zero),
+                                  hn::Gt(hn::Mul(behind, enter_slope), hn::Mul(enter_way, away)));
+      const auto leaves = hn::And(hn::Gt(towards, zero), hn::Lt(hn::Mul(distance, leave_slope),
+                                                                hn::Mul(leave_way, towards)));
+      enter_way = hn::IfThenElse(enters, behind, enter_way);
+      enter_slope = hn::IfThenElse(enters, away, enter_slope);
       enter_face = hn::IfThenElse(enters, index, enter_face);
-      leave = hn::IfThenElse(leaves, at, leave);
+      leave_way = hn::IfThenElse(leaves, distance, leave_way);
+      leave_slope = hn::IfThenElse(leaves, towards, leave_slope);
       leave_face = hn::IfThenElse(leaves, index, leave_face);
     }
+    const WideV enter = hn::Div(enter_way, enter_slope);
+    const WideV leave = hn::Div(leave_way, leave_slope);
     const auto is_met = hn::AndNot(is_outside, hn::Le(enter, leave));
     const auto root = FirstRoot(hn::IfThenElse(is_met, enter, never), never);
     const auto from_inside = FirstRoot(hn::IfThenElse(is_met, leave, never), never);

@@ -1,7 +1,6 @@
 #include "accel/solids.h"
 
 #include <cmath>
-#include <limits>
 
 namespace abbe {
 namespace {
@@ -39,8 +38,9 @@ std::optional<SolidHit> intersect_ellipsoid(const Ray& ray, const Ellipsoid& ell
 std::optional<SolidHit> intersect_polyhedron(const Ray& ray, std::span<const Plane> planes) {
   const Vec3d o(ray.origin);
   const Vec3d d(ray.direction);
-  double enter = -std::numeric_limits<double>::infinity();
-  double leave = std::numeric_limits<double>::infinity();
+  // Distances are compared as fractions, so that only two are divided.
+  double enter_way = -1.0, enter_slope = 0.0;
+  double leave_way = 1.0, leave_slope = 0.0;
   std::uint32_t enter_face = 0;
   std::uint32_t leave_face = 0;
   for (std::uint32_t i = 0; i < planes.size(); ++i) {
@@ -48,18 +48,20 @@ std::optional<SolidHit> intersect_polyhedron(const Ray& ray, std::span<const Pla
     const double distance = planes[i].distance - glm::dot(planes[i].normal, o);
     // Beyond the plane, and not on the way back to it.
     if (distance < 0.0 && towards >= 0.0) return std::nullopt;
-    if (towards == 0.0) continue;
-    const double t = distance / towards;
     if (towards < 0.0) {
-      if (t > enter) {
-        enter = t;
+      if (-distance * enter_slope > enter_way * -towards) {
+        enter_way = -distance;
+        enter_slope = -towards;
         enter_face = i;
       }
-    } else if (t < leave) {
-      leave = t;
+    } else if (distance * leave_slope < leave_way * towards) {
+      leave_way = distance;
+      leave_slope = towards;
       leave_face = i;
     }
   }
+  const double enter = enter_way / enter_slope;
+  const double leave = leave_way / leave_slope;
   if (!(enter <= leave)) return std::nullopt;
   if (is_inside(enter, ray.t_max)) return SolidHit{enter, enter_face};
   if (is_inside(leave, ray.t_max)) return SolidHit{leave, leave_face};

@@ -9,7 +9,6 @@
 #define ABBE_ACCEL_KD_PACKET_INL_H_
 #endif
 
-#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "accel/kd_lanes-inl.h"

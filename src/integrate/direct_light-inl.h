@@ -9,7 +9,6 @@
 #endif
 
 #include <algorithm>
-#include <array>
 #include <span>
 
 #include "integrate/buffers.h"

@@ -62,16 +62,12 @@ inline bool is_in_bounds(const PlaceInGroup& place, const std::array<float, 8>& 
 inline bool is_in_bounds(const PlaceInGroup& place, const PointChains& all,
                          const PointChain& chain) {
   if (!is_in_bounds(place, chain.reach, chain.slope)) return false;
-  for (std::uint32_t c = 0; c < chain.cone_count; ++c) {
-    if (c % kConesInBunch == 0) {
-      const ConeBounds& bunch = all.bunches[chain.first_bunch + c / kConesInBunch];
-      if (!is_in_bounds(place, bunch.reach, bunch.slope)) {
-        c += kConesInBunch - 1;
-        continue;
-      }
+  for (std::uint32_t b = chain.first_bunch; b < chain.last_bunch; ++b) {
+    const ConeBunch& bunch = all.bunches[b];
+    if (!is_in_bounds(place, bunch.bounds.reach, bunch.bounds.slope)) continue;
+    for (std::uint32_t c = bunch.first_cone; c < bunch.last_cone; ++c) {
+      if (is_in_bounds(place, all.cones[c].reach, all.cones[c].slope)) return true;
     }
-    const ConeBounds& cone = all.cones[chain.first_cone + c];
-    if (is_in_bounds(place, cone.reach, cone.slope)) return true;
   }
   return false;
 }
@@ -116,16 +112,12 @@ class LanesInGroup {
     for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
       auto left = in_cone(chain.reach, chain.slope, LanesFrom(d, among, i), i);
       const auto wanted = left;
-      for (std::uint32_t c = 0; c < chain.cone_count && !hn::AllFalse(d, left); ++c) {
-        if (c % kConesInBunch == 0) {
-          const ConeBounds& bunch = all.bunches[chain.first_bunch + c / kConesInBunch];
-          if (hn::AllFalse(d, in_cone(bunch.reach, bunch.slope, left, i))) {
-            c += kConesInBunch - 1;
-            continue;
-          }
+      for (std::uint32_t b = chain.first_bunch; b < chain.last_bunch; ++b) {
+        const ConeBunch& bunch = all.bunches[b];
+        if (hn::AllFalse(d, in_cone(bunch.bounds.reach, bunch.bounds.slope, left, i))) continue;
+        for (std::uint32_t c = bunch.first_cone; c < bunch.last_cone; ++c) {
+          left = hn::AndNot(in_cone(all.cones[c].reach, all.cones[c].slope, left, i), left);
         }
-        const ConeBounds& cone = all.cones[chain.first_cone + c];
-        left = hn::AndNot(in_cone(cone.reach, cone.slope, left, i), left);
       }
       SetLanesFrom(d, hn::AndNot(left, wanted), i, found);
     }

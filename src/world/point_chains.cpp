@@ -18,6 +18,8 @@ constexpr double kSlack = 1e-5;
 constexpr float kNoBound = 1e30f;
 // Parts that the light of a chain is bounded in; of more, neighbours share their bounds.
 constexpr std::size_t kMostCones = 64;
+// Of those, so many neighbours are passed by at once.
+constexpr std::size_t kConesInBunch = 8;
 
 bool comes_first(const Vec2d& a, const Vec2d& b) {
   return a.x != b.x ? a.x < b.x : a.y < b.y;
@@ -183,23 +185,24 @@ class Maker {
   // The light of a chain, whole and in parts; cones that follow each other are neighbours.
   void bound(const std::vector<Bounds>& cones, PointChain& chain) const {
     std::vector<ConeBounds>& parts = world_.point_chains.cones;
-    chain.first_cone = static_cast<std::uint32_t>(parts.size());
+    std::vector<ConeBunch>& bunches = world_.point_chains.bunches;
+    chain.first_bunch = static_cast<std::uint32_t>(bunches.size());
     const std::size_t share = (cones.size() + kMostCones - 1) / kMostCones;
-    Bounds all, bunch;
-    chain.first_bunch = static_cast<std::uint32_t>(world_.point_chains.bunches.size());
-    for (std::size_t first = 0; first < cones.size(); first += share) {
-      Bounds part;
-      const std::size_t last = std::min(first + share, cones.size());
-      for (std::size_t i = first; i < last; ++i) part.include(cones[i]);
-      all.include(part);
-      parts.push_back(part.rounded());
-      bunch.include(part);
-      if ((parts.size() - chain.first_cone) % kConesInBunch == 0 || last == cones.size()) {
-        world_.point_chains.bunches.push_back(bunch.rounded());
-        bunch = Bounds();
+    Bounds all;
+    for (std::size_t first = 0; first < cones.size();) {
+      Bounds bunch;
+      const auto first_part = static_cast<std::uint32_t>(parts.size());
+      for (std::size_t n = 0; n < kConesInBunch && first < cones.size(); ++n) {
+        Bounds part;
+        const std::size_t last = std::min(first + share, cones.size());
+        for (; first < last; ++first) part.include(cones[first]);
+        bunch.include(part);
+        parts.push_back(part.rounded());
       }
+      all.include(bunch);
+      bunches.push_back({bunch.rounded(), first_part, static_cast<std::uint32_t>(parts.size())});
     }
-    chain.cone_count = static_cast<std::uint32_t>(parts.size()) - chain.first_cone;
+    chain.last_bunch = static_cast<std::uint32_t>(bunches.size());
     const ConeBounds rounded = all.rounded();
     chain.reach = rounded.reach;
     chain.slope = rounded.slope;

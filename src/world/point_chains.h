@@ -52,7 +52,12 @@ struct ConeBounds {
   std::array<float, 8> reach{}, slope{};
 };
 
-inline constexpr std::uint32_t kConesInBunch = 8;
+/// Neighbouring parts of the light of a chain, cones [first_cone, last_cone) of PointChains, and
+/// bounds of all of them.
+struct ConeBunch {
+  ConeBounds bounds;
+  std::uint32_t first_cone = 0, last_cone = 0;
+};
 
 /// A chain of a point or spot light.
 struct PointChain : ChainPath {
@@ -64,10 +69,9 @@ struct PointChain : ChainPath {
   Mat3d fold{1.0};  ///< Takes a lit place into the unfolded space: x′ = fold·x + fold_shift.
   Vec3d fold_shift{0.0};
   std::array<float, 8> reach{}, slope{};  ///< Bounds of all its light, as of a ConeBounds.
-  /// Its light in parts, of PointChains::cones: no place is lit that lies in none of them.
-  std::uint32_t first_cone = 0, cone_count = 0;
-  /// Bounds of each kConesInBunch of them, the last of the rest, in PointChains::bunches.
-  std::uint32_t first_bunch = 0;
+  /// Its light in parts, bunches [first_bunch, last_bunch) of PointChains: no place is lit that
+  /// lies in none of their cones.
+  std::uint32_t first_bunch = 0, last_bunch = 0;
 };
 
 /// Chains of one light that end at the same face and side; they share a frame.
@@ -84,7 +88,8 @@ struct PointChainGroup {
 struct PointChains {
   std::vector<PointChain> chains;
   std::vector<PointChainGroup> groups;  ///< Largest first, and so are the chains in each.
-  std::vector<ConeBounds> cones, bunches;
+  std::vector<ConeBunch> bunches;
+  std::vector<ConeBounds> cones;
   std::vector<FaceFrame> frames;  ///< Of all faces of World::flat; empty without point lights.
 };
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "accel/kd_few_split.h"
+
 namespace abbe {
 namespace {
 
@@ -25,57 +27,7 @@ void sort_floats(std::vector<float>& values) {
 
 }  // namespace
 
-// The best split so far of one cell, and what rates another.
-struct SplitFinder::Candidate {
-  const KdTreeConfig& config;
-  const Box3f& cell;
-  std::size_t count;
-  std::size_t max_added;
-  std::size_t block_size;
-  float solid_share;  // Of the references, taken to be the same on both sides of a plane.
-  Vec3f size;
-  float inverse_area;
-  Split split;
-  bool found = false;
-
-  Candidate(const KdTreeConfig& c, const Box3f& box, std::size_t n, std::size_t added, float solids)
-      : config(c),
-        cell(box),
-        count(n),
-        max_added(added),
-        block_size(std::max(c.block_size, 1u)),
-        solid_share(solids),
-        size(box.size()) {
-    const float half_area = size.x * size.y + size.y * size.z + size.z * size.x;
-    inverse_area = half_area > 0.0f ? 1.0f / half_area : 0.0f;
-    split.cost = leaf_cost(n);
-  }
-
-  // A block of triangles costs as much as one of them, a solid as much as a block.
-  float leaf_cost(std::size_t n) const {
-    const auto blocks = static_cast<float>((n + block_size - 1) / block_size);
-    return config.block_cost * std::max(blocks, solid_share * static_cast<float>(n));
-  }
-
-  void rate(int axis, float plane, std::size_t below, std::size_t above, bool planar_below) {
-    if (!(plane > cell.low[axis] && plane < cell.high[axis])) return;
-    if (below + above > count + max_added) return;
-    const int u = axis == 2 ? 0 : axis + 1;
-    const int v = axis == 0 ? 2 : axis - 1;
-    const float side = size[u] * size[v];
-    const float rim = size[u] + size[v];
-    const float p_below = (side + (plane - cell.low[axis]) * rim) * inverse_area;
-    const float p_above = (side + (cell.high[axis] - plane) * rim) * inverse_area;
-    float cost = config.traversal_cost + p_below * leaf_cost(below) + p_above * leaf_cost(above);
-    if (below == 0 || above == 0) cost *= 1.0f - config.empty_bonus;
-    if (cost < split.cost) {
-      split = {axis, plane, planar_below, cost};
-      found = true;
-    }
-  }
-};
-
-void SplitFinder::search_binned(std::span<const BuildReference> references, Candidate& best) const {
+void SplitFinder::search_binned(std::span<const BuildReference> references, SahCell& cell) const {
   const auto bin_count = static_cast<int>(std::clamp(config_.bins, 2u, kMaxBins));
   std::array<float, 3> low, high, scale;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -98,21 +50,21 @@ void SplitFinder::search_binned(std::span<const BuildReference> references, Cand
   }
   for (std::size_t k = 0; k < 3; ++k) {
     const int axis = static_cast<int>(k);
-    best.rate(axis, low[k], 0, references.size(), false);
-    best.rate(axis, high[k], references.size(), 0, true);
+    cell.rate(axis, low[k], 0, references.size(), false);
+    cell.rate(axis, high[k], references.size(), 0, true);
     if (scale[k] == 0.0f) continue;
     std::size_t below = 0;
     std::size_t above = references.size();
     for (std::size_t b = 1; b < static_cast<std::size_t>(bin_count); ++b) {
       below += bins[k].starts[b - 1];
       above -= bins[k].ends[b - 1];
-      best.rate(axis, low[k] + static_cast<float>(b) / scale[k], below, above, true);
+      cell.rate(axis, low[k] + static_cast<float>(b) / scale[k], below, above, true);
     }
   }
 }
 
 void SplitFinder::search_exact(std::span<const BuildReference> references, int axis,
-                               Candidate& best) {
+                               SahCell& cell) {
   const std::size_t n = references.size();
   lows_.resize(n);
   highs_.resize(n);
@@ -136,8 +88,8 @@ void SplitFinder::search_exact(std::span<const BuildReference> references, int a
     while (next_planar < planar_.size() && planar_[next_planar] == plane) ++next_planar;
     const std::size_t in_plane = next_planar - first_planar;
     const std::size_t above = n - next_high;  // Those that end behind it.
-    best.rate(axis, plane, below + in_plane, above, true);
-    if (in_plane > 0) best.rate(axis, plane, below, above + in_plane, false);
+    cell.rate(axis, plane, below + in_plane, above, true);
+    if (in_plane > 0) cell.rate(axis, plane, below, above + in_plane, false);
   }
 }
 
@@ -150,14 +102,16 @@ std::optional<Split> SplitFinder::find(std::span<const BuildReference> reference
   const float share = references.empty()
                           ? 0.0f
                           : static_cast<float>(solids) / static_cast<float>(references.size());
-  Candidate best(config_, cell, references.size(), max_added, share);
+  SahCell sah(config_, cell, references.size(), max_added, share);
   if (references.size() > config_.exact_limit) {
-    search_binned(references, best);
+    search_binned(references, sah);
+  } else if (references.size() <= kFewReferences) {
+    search_few(references, sah);
   } else {
-    for (int axis = 0; axis < 3; ++axis) search_exact(references, axis, best);
+    for (int axis = 0; axis < 3; ++axis) search_exact(references, axis, sah);
   }
-  if (!best.found) return std::nullopt;
-  return best.split;
+  if (!sah.found) return std::nullopt;
+  return sah.best;
 }
 
 }  // namespace abbe

@@ -6,29 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "accel/kd_reference.h"
-#include "accel/kd_tree.h"
+#include "accel/kd_sah.h"
 
 namespace abbe {
-
-struct Split {
-  int axis = 0;
-  float plane = 0.0f;
-  bool planar_below = true;  ///< Where primitives that lie in the plane go.
-  float cost = 0.0f;
-
-  bool goes_below(const BuildReference& r) const {
-    return r.low[axis] < plane || (is_planar(r) && planar_below);
-  }
-  bool goes_above(const BuildReference& r) const {
-    return r.high[axis] > plane || (is_planar(r) && !planar_below);
-  }
-
- private:
-  bool is_planar(const BuildReference& r) const {
-    return r.low[axis] == plane && r.high[axis] == plane;
-  }
-};
 
 /// Finds splits; keeps its scratch memory between calls.
 class SplitFinder {
@@ -41,9 +21,8 @@ class SplitFinder {
                             std::size_t max_added);
 
  private:
-  struct Candidate;
-  void search_binned(std::span<const BuildReference> references, Candidate& best) const;
-  void search_exact(std::span<const BuildReference> references, int axis, Candidate& best);
+  void search_binned(std::span<const BuildReference> references, SahCell& cell) const;
+  void search_exact(std::span<const BuildReference> references, int axis, SahCell& cell);
 
   std::size_t triangle_count_;
   KdTreeConfig config_;

@@ -20,26 +20,35 @@ struct KdTree::Data {
   std::vector<VisibilityMask> masks;
   std::vector<std::uint8_t> lonely_solids;
   KdView view;
+  KdView unmasked;  ///< Of the same, for queries that see every primitive.
+  bool all_have_bits = true;
 
   bool can_hit(VisibilityMask mask) const {
     return view.root != kEmptyChild && (view.any_mask & mask) != 0;
+  }
+  // The mask of a primitive is a memory access away: it is only looked at where it matters.
+  const KdView& view_of(VisibilityMask mask) const {
+    const bool sees_all = all_have_bits && (view.any_mask & mask) == view.any_mask;
+    return sees_all ? unmasked : view;
   }
 };
 
 namespace {
 
-// Bits of all primitives, and whether they are the same for all.
+// Bits of all primitives, whether they are the same for all, and whether none is without.
 struct MaskSummary {
   VisibilityMask any = 0;
   bool is_uniform = true;
+  bool all_have_bits = true;
 };
 
 MaskSummary summarize_masks(const ShapeSpans& shapes) {
-  if (shapes.masks.empty()) return {kAllBits, true};
-  MaskSummary summary{0, true};
+  if (shapes.masks.empty()) return {kAllBits, true, true};
+  MaskSummary summary{0, true, true};
   for (const VisibilityMask mask : shapes.masks) {
     summary.any = static_cast<VisibilityMask>(summary.any | mask);
     summary.is_uniform = summary.is_uniform && mask == shapes.masks.front();
+    summary.all_have_bits = summary.all_have_bits && mask != 0;
   }
   return summary;
 }
@@ -85,6 +94,9 @@ KdTree KdTree::build(const ShapeSpans& shapes, const KdTreeConfig& config) {
   view.triangle_count = static_cast<std::uint32_t>(shapes.triangles.size());
   view.ellipsoid_count = static_cast<std::uint32_t>(shapes.ellipsoids.size());
   view.bounds = tree.bounds;
+  data->unmasked = view;
+  data->unmasked.masks = nullptr;
+  data->all_have_bits = masks.all_have_bits;
 
   KdTree result;
   result.data_ = std::move(data);
@@ -97,7 +109,7 @@ void KdTree::closest_hits(std::span<const Ray> rays, VisibilityMask mask,
     std::fill_n(hits.begin(), rays.size(), Hit{});
     return;
   }
-  trace_closest(data_->view, rays.data(), rays.size(), mask, hits.data());
+  trace_closest(data_->view_of(mask), rays.data(), rays.size(), mask, hits.data());
 }
 
 void KdTree::closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
@@ -106,7 +118,7 @@ void KdTree::closest_hits(std::span<const RayPacket> packets, VisibilityMask mas
     std::fill_n(hits.begin(), packets.size(), nothing_hit());
     return;
   }
-  trace_closest(data_->view, packets.data(), packets.size(), mask, hits.data());
+  trace_closest(data_->view_of(mask), packets.data(), packets.size(), mask, hits.data());
 }
 
 void KdTree::any_hits(std::span<const Ray> rays, VisibilityMask mask,
@@ -115,7 +127,7 @@ void KdTree::any_hits(std::span<const Ray> rays, VisibilityMask mask,
     std::fill_n(occluded.begin(), rays.size(), std::uint8_t{0});
     return;
   }
-  trace_any(data_->view, rays.data(), rays.size(), mask, occluded.data());
+  trace_any(data_->view_of(mask), rays.data(), rays.size(), mask, occluded.data());
 }
 
 void KdTree::any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
@@ -124,7 +136,7 @@ void KdTree::any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
     std::fill_n(occluded.begin(), packets.size(), 0u);
     return;
   }
-  trace_any(data_->view, packets.data(), packets.size(), mask, occluded.data());
+  trace_any(data_->view_of(mask), packets.data(), packets.size(), mask, occluded.data());
 }
 
 Hit KdTree::closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const {

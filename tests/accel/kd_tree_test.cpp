@@ -96,6 +96,22 @@ TEST(KdTree, masked_primitives_are_passed_through) {
   }
 }
 
+TEST(KdTree, mask_that_shares_a_bit_with_all_primitives_sees_all) {
+  Random random(12);
+  World world = random_triangles(random, 500, 0.4f);
+  for (int i = 0; i < 20; ++i) world.add_ellipsoid(Vec3d(random.in_cube(1.0f)), Vec3d(0.2));
+  for (std::size_t i = 0; i < world.spans().primitive_count(); ++i) {
+    world.masks.push_back(i % 2 == 0 ? kOpaqueBit : kTransparentBit);
+  }
+  const KdTree tree = KdTree::build(world.spans());
+  const std::vector<Ray> rays = random_rays(random, 2000);
+  constexpr auto kBoth = static_cast<VisibilityMask>(kOpaqueBit | kTransparentBit);
+  for (const VisibilityMask mask : {kOpaqueBit, kBoth, kAllBits}) {
+    SCOPED_TRACE(testing::Message() << "mask " << int{mask});
+    expect_right_answers(world, tree, rays, mask);
+  }
+}
+
 TEST(KdTree, every_configuration_gives_right_answers) {
   Random random(9);
   const World world = random_triangles(random, 3000, 0.1f);

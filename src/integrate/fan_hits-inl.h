@@ -7,6 +7,8 @@
 #define ABBE_INTEGRATE_FAN_HITS_INL_H_
 #endif
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -52,6 +54,18 @@ class FanHits {
       world_.tree.closest_hits(std::span<const Ray>(b_.rays), kAllBits, std::span<Hit>(b_.hits));
     }
     trace_packets();
+  }
+
+  /// Asks for the memory that shading fans [first, last) will read, of which `at` is next. Domain:
+  /// after find_hits(), for each of them in turn.
+  void fetch_geometry(const FanList& list, std::size_t first, std::size_t last, std::size_t at) {
+    if (world_.triangles.size() < kFewTriangles) return;
+    for (std::size_t i = at == first ? at : at + 2 * kFansAhead; i <= at + 2 * kFansAhead; ++i) {
+      if (i < last) fetch_triangles(list.fans[i], b_.first_query[i - first]);
+    }
+    for (std::size_t i = at == first ? at : at + kFansAhead; i <= at + kFansAhead; ++i) {
+      if (i < last) fetch_corners(list.fans[i], b_.first_query[i - first]);
+    }
   }
 
   /// Takes up the hits of a spread fan, of which for_each_group then gives the groups.
@@ -128,6 +142,48 @@ class FanHits {
       b_.hits.push_back(
           hit_of(b_.packet_hits[i / kPacketLanes], static_cast<int>(i % kPacketLanes)));
     }
+  }
+
+  // What a triangle has in memory takes three reads, each of which tells where the next is: fans so
+  // far ahead have the first, and half as far the others.
+  static constexpr std::size_t kFansAhead = 2;
+  // Fewer lie in the caches anyway.
+  static constexpr std::size_t kFewTriangles = std::size_t{1} << 15;
+
+  // Calls visit(triangle) for the triangles that a fan met, seldom twice for the same.
+  template <class Visit>
+  HWY_INLINE void for_each_triangle(const Fan& fan, std::uint32_t query, const Visit& visit) const {
+    const auto triangles = static_cast<std::uint32_t>(world_.triangles.size());
+    if (!fan.spread) {
+      if (b_.hits[query].primitive < triangles) visit(b_.hits[query].primitive);
+      return;
+    }
+    std::uint32_t before = kNoPrimitive;
+    for (int block = 0; block * kPacketLanes < stride_; ++block) {
+      for (const std::uint32_t primitive : b_.packet_hits[query + block].primitive) {
+        if (primitive < triangles && primitive != before) visit(primitive);
+        before = primitive;
+      }
+    }
+  }
+
+  void fetch_triangles(const Fan& fan, std::uint32_t query) const {
+    for_each_triangle(fan, query, [&](std::uint32_t triangle) {
+      hwy::Prefetch(&world_.primitive_surface[triangle]);
+      hwy::Prefetch(&world_.triangles[triangle]);
+    });
+  }
+
+  void fetch_corners(const Fan& fan, std::uint32_t query) const {
+    for_each_triangle(fan, query, [&](std::uint32_t triangle) {
+      const Surface& surface = world_.surfaces[world_.primitive_surface[triangle]];
+      for (const std::uint32_t corner : world_.triangles[triangle]) {
+        hwy::Prefetch(&world_.positions[corner]);
+        if (surface.normals_offset) {
+          hwy::Prefetch(&world_.normals[corner + *surface.normals_offset - surface.first_vertex]);
+        }
+      }
+    });
   }
 
   void trace_packets() {

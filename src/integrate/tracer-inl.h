@@ -92,6 +92,7 @@ class Tracer {
     for (std::size_t i = first; i < last; ++i) {
       const Fan& fan = list.fans[i];
       const std::uint32_t query = b_.first_query[i - first];
+      found_.fetch_geometry(list, first, last, i);
       if (fan.spread) {
         ++stats_.spread_fans;
         const auto depth = std::min<std::size_t>(fan.depth, IntegratorStats::kDepths - 1);

@@ -23,14 +23,10 @@ Vec4f base_modulation(const World& world, const SurfaceMaterial& material,
   return value;
 }
 
-// Where lanes are channels, the triple is used as it is, otherwise as a reflectance. Channels, and
-// a basis of Rec.709, know no colours beyond it.
-void look_up(const World& world, const Vec3f& rgb_rec709, bool is_rgb, ColorSample& color) {
+void look_up(const Vec3f& rec709, bool is_rgb, ColorSample& color) {
   color.uses_lookup = true;
   color.lookup_is_rgb = is_rgb;
-  const bool is_smooth = !is_rgb && world.lanes.uplift() == Uplift::JakobHanika;
-  color.lookup =
-      is_smooth ? uplift_rec709_from_table(rgb_rec709) : glm::clamp(rgb_rec709, 0.0f, 1.0f);
+  color.lookup_rec709 = is_rgb ? glm::clamp(rec709, 0.0f, 1.0f) : rec709;
 }
 
 float coverage(const SurfaceMaterial& material, float alpha) {
@@ -47,6 +43,12 @@ float coverage(const SurfaceMaterial& material, float alpha) {
 
 }  // namespace
 
+Vec3f looked_up(const World& world, const ColorSample& color) {
+  if (color.lookup_is_rgb) return color.lookup_rec709;
+  return world.lanes.uplift() == Uplift::JakobHanika ? uplift_rec709_from_table(color.lookup_rec709)
+                                                     : glm::clamp(color.lookup_rec709, 0.0f, 1.0f);
+}
+
 MaterialSample material_sample(const World& world, const SurfaceMaterial& material,
                                const SurfacePoint& point, float footprint_m) {
   MaterialSample sample;
@@ -62,8 +64,7 @@ MaterialSample material_sample(const World& world, const SurfaceMaterial& materi
     const Vec3f factor =
         material.base_color_is_spectrum ? Vec3f(1.0f) : Vec3f(material.base_color_rec709);
     sample.base_color.uses_row = material.base_color_is_spectrum;
-    look_up(world, factor * Vec3f(modulation), world.lanes.is_rgb(Cause::Reflectances),
-            sample.base_color);
+    look_up(factor * Vec3f(modulation), world.lanes.is_rgb(Cause::Reflectances), sample.base_color);
   }
   sample.alpha = coverage(material, material.base_color_rec709.w * modulation.w);
 
@@ -96,17 +97,17 @@ MaterialSample material_sample(const World& world, const SurfaceMaterial& materi
         material.emission_is_spectrum ? factor : material.emissive_rec709 * factor;
     sample.emission.uses_row = material.emission_is_spectrum;
     if (material.emission_is_spectrum) {
-      look_up(world, emitted_rec709, world.lanes.is_rgb(Cause::Reflectances), sample.emission);
+      look_up(emitted_rec709, world.lanes.is_rgb(Cause::Reflectances), sample.emission);
     } else if (world.lanes.is_rgb(Cause::Lamps)) {
       sample.emission.uses_lookup = true;
       sample.emission.lookup_is_rgb = true;
-      sample.emission.lookup = glm::max(emitted_rec709, 0.0f);
+      sample.emission.lookup_rec709 = glm::max(emitted_rec709, 0.0f);
     } else {
       // The scale rule for unbounded colours: see uplift_emission.
       const float scale =
           2.0f * std::max({emitted_rec709.x, emitted_rec709.y, emitted_rec709.z, 0.0f});
       sample.emission_scale = scale;
-      look_up(world, scale > 0.0f ? emitted_rec709 / scale : Vec3f(0.0f), false, sample.emission);
+      look_up(scale > 0.0f ? emitted_rec709 / scale : Vec3f(0.0f), false, sample.emission);
     }
   }
   return sample;

@@ -9,33 +9,35 @@
 namespace abbe {
 
 /// A colour at a place, not yet spread over lanes: the product of a tabulated row and of a
-/// looked-up colour, either of which may be missing.
+/// colour from textures and vertices, either of which may be missing.
 struct ColorSample {
   bool uses_row = true;
   bool uses_lookup = false;
-  /// Coefficients of a smooth reflectance (color/uplift.h), or of Mallett and Yuksel's basis, or
-  /// the linear Rec.709 itself.
-  Vec3f lookup{0.0f};
-  bool lookup_is_rgb = false;
+  bool lookup_is_rgb = false;  ///< The channels themselves, not a spectrum.
+  Vec3f lookup_rec709{0.0f};   ///< Linear.
 };
 
+/// What the lanes need of a colour that uses a lookup: coefficients of its smooth reflectance
+/// (color/uplift.h), or of Mallett and Yuksel's basis, or its channels. Channels of reflectances,
+/// and the basis, know no colours beyond Rec.709.
+Vec3f looked_up(const World& world, const ColorSample& color);
+
 /// The value of a colour in one lane. `row` is the tabulated colour, for a ColorSample that uses
-/// it.
-inline float lane_value(const World& world, const ColorSample& color, const float* row, int set,
-                        int lane) {
+/// it, and `lookup` what looked_up() gives, for one that uses a lookup.
+inline float lane_value(const World& world, const ColorSample& color, const Vec3f& lookup,
+                        const float* row, int set, int lane) {
   const float value = color.uses_row ? row[lane] : 1.0f;
   if (!color.uses_lookup) return value;
-  if (color.lookup_is_rgb) return value * color.lookup[world.lanes.channel_of(lane)];
+  if (color.lookup_is_rgb) return value * lookup[world.lanes.channel_of(lane)];
   if (world.lanes.uplift() == Uplift::MallettYuksel) {
     float sum = 0.0f;
     for (int i = 0; i < 3; ++i) {
-      sum +=
-          color.lookup[i] * world.row(world.uplift_basis[static_cast<std::size_t>(i)], set)[lane];
+      sum += lookup[i] * world.row(world.uplift_basis[static_cast<std::size_t>(i)], set)[lane];
     }
     return value * sum;
   }
   const float s = world.row(world.uplift_abscissa, set)[lane];
-  const float x = (color.lookup.x * s + color.lookup.y) * s + color.lookup.z;
+  const float x = (lookup.x * s + lookup.y) * s + lookup.z;
   return value * (0.5f + 0.5f * (x / std::sqrt(1.0f + x * x)));
 }
 

@@ -166,6 +166,8 @@ class Passer {
     const float cosine =
         std::min(1.0f, std::abs(glm::dot(passage.ray.direction, point.shading_normal)));
     const float share = (1.0f - sample.metallic) * sample.transmission;
+    const bool has_lookup = share > 0.0f && sample.base_color.uses_lookup;
+    const Vec3f lookup = has_lookup ? looked_up(world_, sample.base_color) : Vec3f(0.0f);
     for_each_lane(passage.lanes, world_.lanes.lane_count(), [&](int lane) {
       float through = 0.0f;
       if (share > 0.0f && !material.index_is_infinite) {
@@ -179,7 +181,7 @@ class Passer {
           reflectance += sample.film_factor * (film - reflectance);
         }
         through = share * static_cast<float>(1.0 - reflectance) *
-                  lane_value(world_, sample.base_color, base_row, passage.set, lane);
+                  lane_value(world_, sample.base_color, lookup, base_row, passage.set, lane);
       }
       visibility(passage)[lane] *= (1.0f - sample.alpha) + sample.alpha * through;
     });

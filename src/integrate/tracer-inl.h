@@ -170,8 +170,9 @@ class Tracer {
     Interaction& at = b_.at;
     const int leader = lanes.front();
     const float path_length_m = fan.path_length_m + at.distance_m[leader];
+    const bool wants_albedo = fan.depth == 0 && !layers_.albedo.empty();
     FillMaterial(d, world_, samples_[fan.sample], fan, lanes, material, path_length_m, b_.points,
-                 at);
+                 !material.unlit || wants_albedo, at);
 
     // The medium of arrival and what lies behind the surface.
     Crossing crossing = Crossing::None;
@@ -235,7 +236,7 @@ class Tracer {
     ShadeLanes(d, stride_, rows, material.index_is_infinite, hidden, crossing == Crossing::Thin, at,
                shading_);
     add_local_light(fan, material, hidden, set);
-    if (fan.depth == 0 && !layers_.albedo.empty()) {
+    if (wants_albedo) {
       const std::size_t place = std::size_t{fan.sample} * static_cast<std::size_t>(stride_);
       std::copy(at.base_color.v, at.base_color.v + stride_, layers_.albedo.data() + place);
     }

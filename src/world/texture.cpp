@@ -99,8 +99,13 @@ Vec4f WorldTexture::bilinear(const Level& level, const Vec2f& uv) const {
   const int xb = wrapped_index(x0 + 1, level.width, wrap_s_);
   const int ya = wrapped_index(y0, level.height, wrap_t_);
   const int yb = wrapped_index(y0 + 1, level.height, wrap_t_);
-  return (1.0f - fy) * ((1.0f - fx) * texel(level, xa, ya) + fx * texel(level, xb, ya)) +
-         fy * ((1.0f - fx) * texel(level, xa, yb) + fx * texel(level, xb, yb));
+  const Vec4f& aa = texel(level, xa, ya);
+  const Vec4f& ba = texel(level, xb, ya);
+  const Vec4f& ab = texel(level, xa, yb);
+  const Vec4f& bb = texel(level, xb, yb);
+  // Exactly that value where all have it: what is flat stays flat, and has one spectrum.
+  if (aa == ba && aa == ab && aa == bb) return aa;
+  return (1.0f - fy) * ((1.0f - fx) * aa + fx * ba) + fy * ((1.0f - fx) * ab + fx * bb);
 }
 
 Vec4f WorldTexture::value(const Vec2f& uv, float footprint_uv) const {
@@ -121,7 +126,8 @@ Vec4f WorldTexture::value(const Vec2f& uv, float footprint_uv) const {
   const float f = lod - static_cast<float>(lower);
   const Vec4f fine = bilinear(levels_[lower], at);
   if (f == 0.0f || lower + 1 >= levels_.size()) return fine;
-  return (1.0f - f) * fine + f * bilinear(levels_[lower + 1], at);
+  const Vec4f coarse = bilinear(levels_[lower + 1], at);
+  return fine == coarse ? fine : (1.0f - f) * fine + f * coarse;
 }
 
 }  // namespace abbe

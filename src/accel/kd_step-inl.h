@@ -94,16 +94,17 @@ HWY_INLINE void PushChildren(const WideNode& node, const RayTube& tube, float t_
   const hn::FixedTag<std::uint8_t, 8> d8;
   const auto order = hn::PromoteTo(du, hn::LoadU(d8, kChildOrder.order[flips & 127]));
 
-  const auto child = Pick(hn::Load(du, node.children), order);
-  enter = Pick(enter, order);
-  leave = Pick(leave, order);
+  const auto child = hn::Load(du, node.children);
   const auto is_met = hn::And(hn::Le(enter, hn::Min(leave, hn::Set(d, farthest))),
                               hn::RebindMask(d, hn::Ne(child, hn::Zero(du))));
-  // Compressed in a register: compressing stores are slow on some processors.
+  // Which children come onto the stack, in order: one vector of numbers is compressed instead of
+  // three of values. In a register, for compressing stores are slow on some processors.
+  const auto met = hn::VecFromMask(du, hn::RebindMask(du, is_met));
+  const auto pushed = hn::Compress(order, hn::MaskFromVec(Pick(met, order)));
   const int top = stack.top;
-  hn::StoreU(hn::Compress(child, hn::RebindMask(du, is_met)), du, stack.child + top);
-  hn::StoreU(hn::Compress(enter, is_met), d, stack.t_near + top);
-  hn::StoreU(hn::Compress(leave, is_met), d, stack.t_far + top);
+  hn::StoreU(Pick(child, pushed), du, stack.child + top);
+  hn::StoreU(Pick(enter, pushed), d, stack.t_near + top);
+  hn::StoreU(Pick(leave, pushed), d, stack.t_far + top);
   stack.top = top + static_cast<int>(hn::CountTrue(d, is_met));
 }
 

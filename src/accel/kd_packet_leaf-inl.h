@@ -75,26 +75,58 @@ HWY_INLINE void SeeBlock(const TriangleBlock& block, const PacketState<kLanes>& 
   seen.near = bits & ((1u << block.triangle_count) - 1);
 }
 
-// All triangles of a block, for a packet without a line.
-template <int kLanes>
-HWY_INLINE void SeeWholeBlock(const TriangleBlock& block, const PacketState<kLanes>& p,
-                              SeenBlock& seen) {
+// The same for a packet without a line: triangles whose bounds its tube meets.
+template <bool kLoose, int kLanes>
+HWY_INLINE void SeeBounds(const TriangleBlock& block, const PacketState<kLanes>& p,
+                          SeenBlock& seen) {
   const LaneF d;
-  seen.near = (1u << block.triangle_count) - 1;
-  for (int k = 0; k < 3; ++k) {
-    const auto origin = hn::Set(d, p.origin[k][0]);
-    const float* const row = block.row(k);
-    const auto count = static_cast<std::size_t>(block.vertices_per_row());
-    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-      hn::Store(hn::Sub(hn::Load(d, row + i), origin), d, seen.vertices[k] + i);
+  using V = hn::Vec<LaneF>;
+  if (p.common_origin) {
+    for (int k = 0; k < 3; ++k) {
+      const auto origin = hn::Set(d, p.origin[k][0]);
+      const float* const row = block.row(k);
+      const auto count = static_cast<std::size_t>(block.vertices_per_row());
+      for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+        hn::Store(hn::Sub(hn::Load(d, row + i), origin), d, seen.vertices[k] + i);
+      }
     }
   }
+  const Corners<kLoose> corners(block, p.axes, {0.0f, 0.0f, 0.0f, 0.0f, 0.0f});
+  const V least = hn::Set(d, -kInfinity), most = hn::Set(d, kInfinity);
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
+    V a[3], b[3], c[3];
+    corners.get(i, 0, a[0], a[1], a[2]);
+    corners.get(i, 1, b[0], b[1], b[2]);
+    corners.get(i, 2, c[0], c[1], c[2]);
+    V enter = hn::Zero(d), leave = hn::Set(d, p.farthest);
+    const auto clip = [&](int axis, const V& low, const V& high) HWY_ATTR {
+      const V below = hn::Set(d, p.tube.reciprocal[axis]);
+      const V above = hn::Set(d, p.tube.reciprocal[4 + axis]);
+      const V t_below = hn::Mul(hn::Sub(high, hn::Set(d, p.tube.origin[axis])), below);
+      const V t_above = hn::Mul(hn::Sub(low, hn::Set(d, p.tube.origin[4 + axis])), above);
+      enter = hn::Max(enter, hn::Max(hn::IfNegativeThenElse(below, t_below, least),
+                                     hn::IfNegativeThenElse(above, least, t_above)));
+      leave = hn::Min(leave, hn::Min(hn::IfNegativeThenElse(below, most, t_below),
+                                     hn::IfNegativeThenElse(above, t_above, most)));
+    };
+    const int axes[3] = {p.axes.x, p.axes.y, p.axes.z};
+    for (int k = 0; k < 3; ++k) {
+      clip(axes[k], hn::Min(hn::Min(a[k], b[k]), c[k]), hn::Max(hn::Max(a[k], b[k]), c[k]));
+    }
+    bits |= BitsOf(d, hn::Le(enter, leave), i);
+  }
+  seen.near = bits & ((1u << block.triangle_count) - 1);
 }
 
 template <int kLanes>
 HWY_INLINE void Look(const TriangleBlock& block, const PacketState<kLanes>& p, SeenBlock& seen) {
   if (HWY_UNLIKELY(!p.has_line)) {
-    SeeWholeBlock(block, p, seen);
+    if (block.is_loose == 0) {
+      SeeBounds<false>(block, p, seen);
+    } else {
+      SeeBounds<true>(block, p, seen);
+    }
   } else if (HWY_LIKELY(block.is_loose == 0)) {
     SeeBlock<false>(block, p, seen);
   } else {

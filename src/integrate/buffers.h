@@ -11,6 +11,7 @@
 #include "integrate/fan.h"
 #include "integrate/integrator.h"
 #include "integrate/interaction.h"
+#include "integrate/related_rays.h"
 #include "integrate/surface_point.h"
 
 namespace abbe {
@@ -33,6 +34,7 @@ struct ShadowJob {
 /// Ways on which something may stand, one query each, and whether something opaque does.
 struct ShadowQueries {
   std::vector<Ray> rays;
+  std::vector<std::uint32_t> ray_lamps;  ///< Per ray, as RelatedRays has it.
   std::vector<std::uint8_t> ray_occluded;
   std::vector<RayPacket> packets;
   std::vector<std::uint32_t> packet_occluded;
@@ -62,6 +64,7 @@ struct IntegratorScratch::Buffers {
   AlignedVector<float> shadow_data;
   std::array<ShadowQueries, 2>
       shadow_queries;  ///< Of ways that pass exact glass, and that end there.
+  RelatedRays related;
 
   ShadowQueries& queries_of(const ShadowJob& job) { return shadow_queries[job.ends_at_glass]; }
   const ShadowQueries& queries_of(const ShadowJob& job) const {

@@ -51,7 +51,10 @@ class DirectLight {
       ShadowJob job;
       job.ends_at_glass = light.has_chains;
       if (!begin_job(fan, lanes, material, rows, shading, rough, record_number, job)) continue;
-      shadows_.add(job, [&](int lane) { return shadow_ray(lane); });
+      // Camera rays of neighbouring pixels mostly meet the same surface.
+      const auto lamp = static_cast<std::uint32_t>(&light - world_.lights.data());
+      shadows_.add(
+          job, [&](int lane) { return shadow_ray(lane); }, fan.depth == 0 ? lamp : kUnrelated);
     }
     if (!world_.chains.empty() || !world_.point_chains.chains.empty()) {
       send_chains(fan, lanes, material, rows, shading, rough, record_number);

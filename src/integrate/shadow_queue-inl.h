@@ -9,6 +9,7 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <span>
 
@@ -49,6 +50,7 @@ class ShadowQueue {
     b_.shadow_data.clear();
     for (ShadowQueries& queries : b_.shadow_queries) {
       queries.rays.clear();
+      queries.ray_lamps.clear();
       queries.packets.clear();
     }
   }
@@ -74,13 +76,14 @@ class ShadowQueue {
   }
 
   /// Asks what stands on the way of a job: ray_of(lane) is the way, one for all lanes or, where
-  /// job.spread, one for each.
+  /// job.spread, one for each. A lamp is given where the next such way to it is a neighbour.
   template <class RayOf>
-  void add(ShadowJob& job, RayOf&& ray_of) {
+  void add(ShadowJob& job, RayOf&& ray_of, std::uint32_t lamp = kUnrelated) {
     ShadowQueries& queries = b_.queries_of(job);
     if (!job.spread) {
       job.first_query = static_cast<std::uint32_t>(queries.rays.size());
       queries.rays.push_back(ray_of(job.lanes.front()));
+      queries.ray_lamps.push_back(lamp);
       ++stats_.shadow_rays;
     } else {
       job.first_query = static_cast<std::uint32_t>(queries.packets.size());
@@ -143,16 +146,34 @@ class ShadowQueue {
 
  private:
   void ask(ShadowQueries& queries, VisibilityMask blocking) const {
+    ask(queries.packets, blocking, queries.packet_occluded);
+    const auto is_related = [](std::uint32_t lamp) { return lamp != kUnrelated; };
+    if (!std::any_of(queries.ray_lamps.begin(), queries.ray_lamps.end(), is_related)) {
+      return ask(queries.rays, blocking, queries.ray_occluded);
+    }
+    RelatedRays& related = b_.related;
+    related.sort(queries.rays, queries.ray_lamps, world_.lights.size());
+    ask(related.packets, blocking, related.packet_occluded);
+    ask(related.others, blocking, related.other_occluded);
     queries.ray_occluded.resize(queries.rays.size());
-    queries.packet_occluded.resize(queries.packets.size());
-    if (!queries.rays.empty()) {
-      world_.tree.any_hits(std::span<const Ray>(queries.rays), blocking,
-                           std::span<std::uint8_t>(queries.ray_occluded));
+    for (std::size_t p = 0; p < related.packets.size(); ++p) {
+      for (std::uint32_t lanes = related.packets[p].active; lanes != 0; lanes &= lanes - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+        queries.ray_occluded[related.numbers[p * kPacketLanes + lane]] =
+            static_cast<std::uint8_t>((related.packet_occluded[p] >> lane) & 1u);
+      }
     }
-    if (!queries.packets.empty()) {
-      world_.tree.any_hits(std::span<const RayPacket>(queries.packets), blocking,
-                           std::span<std::uint32_t>(queries.packet_occluded));
+    for (std::size_t i = 0; i < related.others.size(); ++i) {
+      queries.ray_occluded[related.other_numbers[i]] = related.other_occluded[i];
     }
+  }
+
+  template <class Query, class Answer>
+  void ask(const std::vector<Query>& queries, VisibilityMask blocking,
+           std::vector<Answer>& occluded) const {
+    occluded.resize(queries.size());
+    if (queries.empty()) return;
+    world_.tree.any_hits(std::span<const Query>(queries), blocking, std::span<Answer>(occluded));
   }
 
   const World& world_;

@@ -127,7 +127,7 @@ class Query {
   }
 
   void test_block(const TriangleBlock& block) {
-    cost_.primitives += kBlockTriangles;
+    cost_.primitives += block.triangle_count;
     const float ox = ray_.origin[sheared_.kx], oy = ray_.origin[sheared_.ky],
                 oz = ray_.origin[sheared_.kz];
     const float* const row_x = block.row(sheared_.kx);

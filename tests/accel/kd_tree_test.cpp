@@ -79,6 +79,24 @@ TEST(KdTree, vertices_are_shared_by_position) {
   EXPECT_LT(loose_bytes, loose.triangles.size() * 100);
 }
 
+TEST(KdTree, cost_of_a_query_counts_the_triangles_that_are_there) {
+  World world;
+  for (int i = 0; i < 3; ++i) {
+    const float z = static_cast<float>(i);
+    world.add_triangle({-1, -1, z}, {1, -1, z}, {0, 1, z});
+  }
+  KdTreeConfig one_leaf;
+  one_leaf.leaf_size = 3;
+  const KdTree tree = KdTree::build(world.spans(), one_leaf);
+  QueryCost met, missed;
+  EXPECT_TRUE(
+      tree.closest_hit_with_cost({{0, 0, -5}, kInfinity, {0, 0, 1}}, kAllBits, met).is_hit());
+  EXPECT_EQ(met.primitives, 3u);
+  EXPECT_FALSE(
+      tree.closest_hit_with_cost({{9, 0, -5}, kInfinity, {0, 0, 1}}, kAllBits, missed).is_hit());
+  EXPECT_EQ(missed.primitives, 0u);
+}
+
 TEST(KdTree, masked_primitives_are_passed_through) {
   Random random(11);
   World world = random_triangles(random, 500, 0.4f);

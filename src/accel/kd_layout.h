@@ -87,7 +87,7 @@ struct KdView {
   const Ellipsoid* ellipsoids = nullptr;
   const ConvexPolyhedron* polyhedra = nullptr;
   const Plane* planes = nullptr;
-  const VisibilityMask* masks = nullptr;  ///< Null when every primitive has the mask `any_mask`.
+  const VisibilityMask* masks = nullptr;  ///< Null where a query sees all primitives.
   VisibilityMask any_mask = 0;            ///< Bits that at least one primitive has.
   const std::uint8_t* lonely_solids =
       nullptr;  ///< Per solid, 1 where nothing else reaches into it.

@@ -23,7 +23,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // A block as seen from the line of a packet.
 struct alignas(64) SeenBlock {
-  float vertices[3][kLooseVertices];  ///< Relative to the origin of the line.
+  float vertices[3][kLooseVertices];  ///< Relative to where the line or all rays begin, if they do.
   std::uint32_t near;                 ///< The triangles that the packet's rays may meet.
 };
 

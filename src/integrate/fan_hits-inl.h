@@ -144,8 +144,8 @@ class FanHits {
     }
   }
 
-  // What a triangle has in memory takes three reads, each of which tells where the next is: fans so
-  // far ahead have the first, and half as far the others.
+  // What a triangle has in memory takes reads that tell where the next are: those of fans so far
+  // ahead are on their way, the first of them twice as far.
   static constexpr std::size_t kFansAhead = 2;
   // Fewer lie in the caches anyway.
   static constexpr std::size_t kFewTriangles = std::size_t{1} << 15;

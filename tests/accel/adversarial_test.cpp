@@ -1,8 +1,6 @@
 /// Geometry and rays that break accelerators: the catalogue of known traps.
 #include <gtest/gtest.h>
 
-#include <chrono>
-
 #include "accel/brute_force.h"
 #include "accel/kd_tree.h"
 #include "accel/worlds.h"

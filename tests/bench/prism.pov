@@ -12,7 +12,6 @@ camera {
 }
 light_source { <-0.582, 0.7275, -0.5335> color rgb 1 spotlight point_at <0, 0.05, 0> radius 8 falloff 26 }
 light_source { <0, -0.25, 1.05> color rgb 0.3 spotlight point_at <0, 0.6, 1.5> radius 5 falloff 80 }
-#declare Emit = function { 1 }
 #macro Slit(W, Y0, Y1, X, L)
   box { <X - W, Y0, -0.0011>, <X + W, Y1, -0.001>
     texture { pigment { color rgb L } finish { emission 1 ambient 0 diffuse 0 } } }

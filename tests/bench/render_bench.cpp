@@ -1,6 +1,6 @@
 /// Whole renders as ratios: spectral over RGB, threads over one thread, packets over the older ways
-/// to carry wavelengths, and POV-Ray. Every pair is rendered in turn, several times, and the ratio
-/// is of the least CPU times. Prints a table and writes it as JSON.
+/// to carry wavelengths, and POV-Ray. Every pair is rendered in turn, several times (POV-Ray's
+/// once), and the ratio is of the least CPU times. Prints a table and writes it as JSON.
 ///
 ///   abbe_render_bench [--repeats=N] [--out=FILE] [--povray]
 #include <fmt/format.h>

@@ -57,6 +57,16 @@ TEST(WorldTexture, texel_centres_have_the_texels_values) {
   EXPECT_NEAR(red_at(texture, 0.5f), 0.6f, 1e-6f);
 }
 
+TEST(WorldTexture, flat_image_keeps_its_value_to_the_bit_wherever_and_however_wide_it_is_seen) {
+  const WorldTexture texture(row_of({77, 77, 77, 77, 77}), {}, TextureEncoding::Srgb);
+  const float value = red_at(texture, 0.1f);
+  for (int i = 0; i < 1000; ++i) {
+    const float u = 0.00137f * static_cast<float>(i);
+    ASSERT_EQ(red_at(texture, u), value);
+    ASSERT_EQ(red_at(texture, u, 0.0007f * static_cast<float>(i)), value);
+  }
+}
+
 TEST(WorldTexture, wrapping_follows_the_sampler) {
   Texture sampler;
   sampler.filter = TextureFilter::Nearest;

@@ -139,6 +139,7 @@ Job povray_job(int bands) {
 /// POV-Ray has straight shadow rays and ends rays below 1/255: over abbe as it renders by default,
 /// and as POV-Ray does.
 void compare_povray(Bench& bench, const Subject& subject) {
+  std::vector<double> growth(3, 1.0);  // Of each job, from few wavelengths to many.
   for (const int wavelengths : {8, 32}) {
     RenderSettings settings = settings_of(Mode::Spectral, {1280, 720}, 1);
     settings.wavelengths.count = wavelengths;
@@ -158,7 +159,12 @@ void compare_povray(Bench& bench, const Subject& subject) {
     };
     report("", "", 1);
     report("_alike", ", alike", 2);
+    for (std::size_t j = 0; j < growth.size(); ++j) growth[j] = seconds[j] / growth[j];
   }
+  fmt::print("from 8 to 32: POV-Ray {:.2f} times as long, abbe {:.2f}, alike {:.2f}\n", growth[0],
+             growth[1], growth[2]);
+  bench.json()["povray_growth"] = {
+      {"povray", growth[0]}, {"abbe", growth[1]}, {"alike", growth[2]}};
 }
 
 int run(int argc, char** argv) {

@@ -38,7 +38,7 @@ Mesh grid(int cells, bool has_colors) {
   return mesh;
 }
 
-/// Three by three texels: neighbours alike and not, grey, and beyond what interpolation flattens.
+/// Three by three texels: neighbours alike and not, grey, black and white.
 TextureImage texture() {
   TextureImage image;
   image.width = image.height = 3;

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "base/error.h"
-#include "base/isa.h"
+#include "abbe/base/error.h"
+#include "abbe/base/isa.h"
 
 namespace {
 

@@ -40,11 +40,15 @@ if(ABBE_SANITIZE)
 endif()
 
 # abbe_module(NAME [DEPENDS modules of lower floors...] [LIBRARIES external targets its .cpp files use...]
-#             [PUBLIC_LIBRARIES external targets seen through its headers...])
-# One module of src/: all .cpp files of its folder, included as "NAME/file.h".
+#             [PUBLIC_LIBRARIES external targets seen through its headers...] [EXCLUDE folder of programs])
+# One module of src/abbe/: all .cpp files of its folder and its parts, the folders in it; included as
+# "abbe/NAME/file.h" or "abbe/NAME/PART/file.h".
 function(abbe_module name)
-  cmake_parse_arguments(arg "" "" "DEPENDS;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  cmake_parse_arguments(arg "" "EXCLUDE" "DEPENDS;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  if(arg_EXCLUDE)
+    list(FILTER sources EXCLUDE REGEX "/${arg_EXCLUDE}/[^/]*$")
+  endif()
   list(TRANSFORM arg_DEPENDS PREPEND abbe_)
   if(sources)
     add_library(abbe_${name} STATIC ${sources})

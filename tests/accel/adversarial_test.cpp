@@ -1,8 +1,8 @@
 /// Geometry and rays that break accelerators: the catalogue of known traps.
 #include <gtest/gtest.h>
 
+#include "abbe/accel/kd/tree.h"
 #include "accel/brute_force.h"
-#include "accel/kd_tree.h"
 #include "accel/worlds.h"
 
 namespace abbe::test {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/kd_tree.h"
+#include "abbe/accel/kd/tree.h"
 
 namespace abbe::test {
 

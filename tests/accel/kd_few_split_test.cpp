@@ -1,5 +1,5 @@
 /// The search among few references against SahCell::rate(), plane by plane.
-#include "accel/kd_few_split.h"
+#include "abbe/accel/kd/build/few_split.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 /// The tree against brute force: random worlds, every form of query, masks, the empty world.
-#include "accel/kd_tree.h"
+#include "abbe/accel/kd/tree.h"
 
 #include <gtest/gtest.h>
 
+#include "abbe/base/parallel.h"
 #include "accel/brute_force.h"
 #include "accel/worlds.h"
-#include "base/parallel.h"
 
 namespace abbe::test {
 namespace {

@@ -1,5 +1,5 @@
 /// Solids that stand alone, and packets that say which one they start in.
-#include "accel/lonely_solids.h"
+#include "abbe/accel/leaf/isolated_solids.h"
 
 #include <gtest/gtest.h>
 

@@ -43,6 +43,10 @@ std::string module_of(const std::string& path) {
   return path.substr(0, path.find('/'));
 }
 
+std::string folder_of(const std::string& path) {
+  return path.substr(0, path.rfind('/'));
+}
+
 std::string edge_complaint(const std::string& path, const std::string& from, const std::string& to,
                            const std::string& verb) {
   const int from_floor = *floor_of(from);
@@ -63,10 +67,14 @@ std::string where(const std::string& path, std::size_t line_index) {
   return path + ":" + std::to_string(line_index + 1);
 }
 
+/// How every file of ours is included, and how nothing else is.
+constexpr std::string_view kOurs = "abbe/";
+
 struct Include {
   std::size_t line_index;
   bool quoted;
-  std::string header;
+  bool ours;
+  std::string header;  ///< Of ours relative to src/abbe/, as paths are.
 };
 
 std::vector<Include> includes_of(const std::string& text) {
@@ -75,8 +83,11 @@ std::vector<Include> includes_of(const std::string& text) {
   const std::vector<std::string> lines = lines_of(text);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     std::smatch match;
-    if (lines[i].find('#') != std::string::npos && std::regex_match(lines[i], match, kInclude))
-      includes.push_back({i, match[1] == "\"", match[2]});
+    if (lines[i].find('#') == std::string::npos || !std::regex_match(lines[i], match, kInclude))
+      continue;
+    const std::string header = match[2];
+    const bool ours = header.starts_with(kOurs);
+    includes.push_back({i, match[1] == "\"", ours, ours ? header.substr(kOurs.size()) : header});
   }
   return includes;
 }
@@ -91,18 +102,20 @@ std::optional<int> floor_of(std::string_view module) {
 
 std::vector<std::string> include_violations(const std::string& path, const std::string& text) {
   const std::string module = module_of(path);
-  if (!floor_of(module)) return {path + ": src/" + module + " is no module of the floors table"};
+  if (!floor_of(module))
+    return {path + ": src/abbe/" + module + " is no module of the floors table"};
 
   std::vector<std::string> violations;
-  for (const auto& [line_index, quoted, header] : includes_of(text)) {
+  for (const auto& [line_index, quoted, ours, header] : includes_of(text)) {
     const std::string here = where(path, line_index);
     const bool in_folder = header.find('/') != std::string::npos;
     if (header.find("..") != std::string::npos)
-      violations.push_back(here + ": include " + header + ", expected module/file.h");
+      violations.push_back(here + ": include " + header + ", expected abbe/module/file.h");
     if (in_folder && floor_of(module_of(header))) {
+      if (!ours) violations.push_back(here + ": include " + header + ", expected abbe/" + header);
       const std::string complaint = edge_complaint(here, module, module_of(header), "includes");
       if (!complaint.empty()) violations.push_back(complaint);
-    } else if (in_folder && quoted) {
+    } else if (ours || (in_folder && quoted)) {
       violations.push_back(here + ": include \"" + header +
                            "\" names no module; third-party headers go in <>");
     }
@@ -140,10 +153,47 @@ std::vector<std::string> leak_violations(const std::map<std::string, std::string
   return violations;
 }
 
+std::vector<std::string> part_violations(const std::map<std::string, std::string>& texts) {
+  std::set<std::string> divided;
+  for (const auto& [path, text] : texts)
+    if (const std::string folder = folder_of(path); folder != module_of(path))
+      divided.insert(folder_of(folder));
+  const auto part_of = [&](const std::string& path) {
+    const std::string folder = folder_of(path);
+    return divided.contains(folder) ? path : folder;
+  };
+  // For each part those it includes, and one place where it does; then all that it reaches.
+  std::map<std::string, std::map<std::string, std::string>> reached;
+  for (const auto& [path, text] : texts)
+    for (const Include& include : includes_of(text)) {
+      const std::string from = part_of(path);
+      const std::string to = part_of(include.header);
+      if (include.ours && from != to && module_of(from) == module_of(to))
+        reached[from].emplace(to, where(path, include.line_index) + " includes " + include.header);
+    }
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (auto& [from, parts] : reached)
+      for (const auto& [to, place] : std::map(parts))
+        for (const auto& [further, unused] : std::map(reached[to]))
+          changed |= parts.emplace(further, place).second;
+  }
+  std::vector<std::string> violations;
+  for (const auto& [from, parts] : reached)
+    for (const auto& [to, place] : parts) {
+      const auto back = reached[to].find(from);
+      if (from < to && back != reached[to].end())
+        violations.push_back(from + " and " + to + " include each other: " + place + ", " +
+                             back->second);
+    }
+  return violations;
+}
+
 std::vector<std::string> link_violations(const std::string& path, const std::string& text) {
   static const std::regex kModule(R"(abbe_module\(\s*(\w+)([^)]*)\))");
   static const std::regex kWord(R"([^\s]+)");
-  static const std::set<std::string> kKeywords = {"DEPENDS", "LIBRARIES", "PUBLIC_LIBRARIES"};
+  static const std::set<std::string> kKeywords = {"DEPENDS", "EXCLUDE", "LIBRARIES",
+                                                  "PUBLIC_LIBRARIES"};
   std::smatch match;
   if (!std::regex_search(text, match, kModule)) return {path + ": declares no abbe_module"};
   const std::string module = match[1];

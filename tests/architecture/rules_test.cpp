@@ -12,34 +12,56 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 TEST(Rules, include_of_lower_floors_and_of_the_own_module_passes) {
-  EXPECT_THAT(include_violations("optics/fresnel.cpp",
-                                 "#include \"optics/fresnel.h\"\n\n#include <cmath>\n"
-                                 "#include <hwy/highway.h>\n#include <glm/vec3.hpp>\n\n"
-                                 "#include \"base/error.h\"\n#include \"spectrum/spectrum.h\"\n"),
-              IsEmpty());
+  EXPECT_THAT(
+      include_violations("optics/fresnel.cpp",
+                         "#include \"abbe/optics/fresnel.h\"\n\n#include <cmath>\n"
+                         "#include <hwy/highway.h>\n#include <glm/vec3.hpp>\n\n"
+                         "#include \"abbe/base/error.h\"\n#include \"abbe/spectrum/spectrum.h\"\n"),
+      IsEmpty());
 }
 
 TEST(Rules, include_of_a_higher_floor_fails_with_its_line) {
-  EXPECT_THAT(include_violations("optics/fresnel.h", "#pragma once\n#include \"scene/scene.h\"\n"),
-              ElementsAre("optics/fresnel.h:2: optics (floor 3) includes scene (floor 4), expected "
-                          "only lower floors"));
+  EXPECT_THAT(
+      include_violations("optics/fresnel.h", "#pragma once\n#include \"abbe/scene/scene.h\"\n"),
+      ElementsAre("optics/fresnel.h:2: optics (floor 3) includes scene (floor 4), expected "
+                  "only lower floors"));
 }
 
 TEST(Rules, include_sideways_fails) {
-  EXPECT_THAT(include_violations("color/uplift.cpp", "#include \"optics/snell.h\"\n"),
+  EXPECT_THAT(include_violations("color/uplift.cpp", "#include \"abbe/optics/snell.h\"\n"),
               ElementsAre(HasSubstr("color (floor 3) includes optics (floor 3)")));
-  EXPECT_THAT(include_violations("accel/kd_tree.cpp", "  #  include <spectrum/spectrum.h>\n"),
+  EXPECT_THAT(include_violations("accel/kd_tree.cpp", "  #  include <abbe/spectrum/spectrum.h>\n"),
               ElementsAre(HasSubstr("accel (floor 2) includes spectrum (floor 2)")));
 }
 
 TEST(Rules, include_by_a_relative_path_fails) {
   EXPECT_THAT(include_violations("math/ray.cpp", "#include \"../base/error.h\"\n"),
-              testing::Contains(HasSubstr("expected module/file.h")));
+              testing::Contains(HasSubstr("expected abbe/module/file.h")));
+}
+
+TEST(Rules, include_of_ours_without_our_prefix_fails) {
+  EXPECT_THAT(include_violations("math/ray.cpp", "#include \"base/error.h\"\n"),
+              ElementsAre(HasSubstr("expected abbe/base/error.h")));
+}
+
+TEST(Rules, parts_that_include_each_other_fail) {
+  // A file beside folders may be the ground of one part and the roof of another.
+  EXPECT_THAT(part_violations({{"accel/build.cpp", "#include \"abbe/accel/kd/tree.h\"\n"},
+                               {"accel/kd/tree.h", "#include \"abbe/accel/leaf/solids.h\"\n"},
+                               {"accel/kd/build/sah.h", "#include \"abbe/accel/kd/layout.h\"\n"},
+                               {"accel/leaf/solids.h", "#include \"abbe/accel/query.h\"\n"}}),
+              IsEmpty());
+  EXPECT_THAT(part_violations({{"accel/kd/tree.h", "\n#include \"abbe/accel/leaf/solids.h\"\n"},
+                               {"accel/leaf/solids.h", "#include \"abbe/accel/query.h\"\n"},
+                               {"accel/leaf/order.h", "#include \"abbe/accel/grid/cells.h\"\n"},
+                               {"accel/grid/cells.h", "#include \"abbe/accel/kd/tree.h\"\n"}}),
+              testing::Contains(HasSubstr("accel/kd and accel/leaf include each other: "
+                                          "accel/kd/tree.h:2 includes accel/leaf/solids.h")));
 }
 
 TEST(Rules, file_of_an_unknown_module_fails) {
   EXPECT_THAT(include_violations("utils/strings.cpp", ""),
-              ElementsAre(HasSubstr("src/utils is no module")));
+              ElementsAre(HasSubstr("src/abbe/utils is no module")));
 }
 
 TEST(Rules, quoted_include_that_names_no_module_fails) {
@@ -68,16 +90,16 @@ TEST(Rules, third_party_header_outside_its_rim_fails) {
 TEST(Rules, third_party_header_inside_its_module_passes) {
   EXPECT_THAT(include_violations("image/exr.cpp", "#include <OpenEXR/ImfHeader.h>\n"), IsEmpty());
   EXPECT_THAT(leak_violations({{"load/nodes.h", "#include <tiny_gltf.h>\n"},
-                               {"load/gltf.h", "#include \"base/notes.h\"\n"},
-                               {"load/gltf.cpp", "#include \"load/nodes.h\"\n"},
-                               {"world/world.cpp", "#include \"load/gltf.h\"\n"}}),
+                               {"load/gltf.h", "#include \"abbe/base/notes.h\"\n"},
+                               {"load/gltf.cpp", "#include \"abbe/load/nodes.h\"\n"},
+                               {"world/world.cpp", "#include \"abbe/load/gltf.h\"\n"}}),
               IsEmpty());
 }
 
 TEST(Rules, header_that_carries_a_third_party_out_of_its_module_fails) {
   EXPECT_THAT(leak_violations({{"load/nodes.h", "#include <tiny_gltf.h>\n"},
-                               {"load/gltf.h", "#include \"load/nodes.h\"\n"},
-                               {"cli/render.cpp", "\n#include \"load/gltf.h\"\n"}}),
+                               {"load/gltf.h", "#include \"abbe/load/nodes.h\"\n"},
+                               {"cli/render.cpp", "\n#include \"abbe/load/gltf.h\"\n"}}),
               ElementsAre("cli/render.cpp:2: load/gltf.h brings tinygltf out of its module"));
 }
 

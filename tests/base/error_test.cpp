@@ -1,4 +1,4 @@
-#include "base/error.h"
+#include "abbe/base/error.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

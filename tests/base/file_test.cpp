@@ -1,4 +1,4 @@
-#include "base/file.h"
+#include "abbe/base/file.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "base/error.h"
+#include "abbe/base/error.h"
 
 namespace abbe {
 namespace {

@@ -26,9 +26,9 @@
 #include <utility>
 #include <vector>
 
-#include "accel/kd_tree.h"
-#include "base/isa.h"
-#include "base/parallel.h"
+#include "abbe/accel/kd/tree.h"
+#include "abbe/base/isa.h"
+#include "abbe/base/parallel.h"
 #include "bench/bench_scenes.h"
 #include "bench/embree_rival.h"
 #include "bench/ray_sets.h"

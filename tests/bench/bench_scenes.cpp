@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <variant>
 
-#include "load/gltf.h"
-#include "scene/scene.h"
+#include "abbe/load/gltf.h"
+#include "abbe/scene/scene.h"
 
 namespace abbe::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/shapes.h"
+#include "abbe/accel/shapes.h"
 
 namespace abbe::bench {
 

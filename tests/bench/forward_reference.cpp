@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-#include "base/constants.h"
+#include "abbe/base/constants.h"
 #include "support/caustic_scenes.h"
 #include "support/newton.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/kd_tree.h"
+#include "abbe/accel/kd/tree.h"
 #include "bench/bench_scenes.h"
 
 namespace abbe::bench {

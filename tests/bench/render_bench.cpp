@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "base/isa.h"
+#include "abbe/base/isa.h"
+#include "abbe/cli/prepare.h"
 #include "bench/render_jobs.h"
-#include "cli/prepare.h"
 #include "support/gems.h"
 #include "support/scene_builder.h"
 

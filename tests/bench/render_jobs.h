@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "render/render.h"
-#include "scene/scene.h"
-#include "world/world.h"
+#include "abbe/render/render.h"
+#include "abbe/scene/scene.h"
+#include "abbe/world/world.h"
 
 namespace abbe::bench {
 

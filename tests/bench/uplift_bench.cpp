@@ -11,9 +11,9 @@
 #include <random>
 #include <vector>
 
-#include "color/color.h"
-#include "color/rgb_space.h"
-#include "color/uplift.h"
+#include "abbe/color/color.h"
+#include "abbe/color/rgb_space.h"
+#include "abbe/color/uplift/uplift.h"
 
 namespace abbe::bench {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <random>
 
-#include "cli/compare_files.h"
-#include "cli/compare_report.h"
-#include "image/exr.h"
+#include "abbe/cli/compare_files.h"
+#include "abbe/cli/compare_report.h"
+#include "abbe/image/exr/exr.h"
 
 namespace abbe {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include "abbe/image/exr/exr.h"
 #include "cli/program.h"
-#include "image/exr.h"
 
 namespace abbe::test {
 namespace {

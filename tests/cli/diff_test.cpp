@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "image/exr.h"
-#include "image/raster.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/image/raster/raster.h"
 #include "program.h"
 
 namespace abbe::test {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "image/exr.h"
-#include "image/raster.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/image/raster/raster.h"
 #include "program.h"
 
 namespace abbe::test {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "image/exr.h"
-#include "image/raster.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/image/raster/raster.h"
 #include "program.h"
 
 namespace abbe::test {

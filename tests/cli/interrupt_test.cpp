@@ -5,7 +5,7 @@
 #include <csignal>
 #include <thread>
 
-#include "image/exr.h"
+#include "abbe/image/exr/exr.h"
 #include "program.h"
 #include "scenes.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "image/exr.h"
+#include "abbe/image/exr/exr.h"
 #include "program.h"
 
 namespace abbe::test {

@@ -1,10 +1,10 @@
 // The three spectra that stand for the channels of linear Rec.709.
 
-#include "color/channel_basis.h"
+#include "abbe/color/channel_basis.h"
 
 #include <gtest/gtest.h>
 
-#include "load/catalogue.h"
+#include "abbe/load/spectra/catalogue.h"
 
 namespace abbe {
 namespace {

@@ -1,10 +1,10 @@
-#include "color/color.h"
+#include "abbe/color/color.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "load/catalogue.h"
+#include "abbe/load/spectra/catalogue.h"
 
 namespace abbe {
 namespace {

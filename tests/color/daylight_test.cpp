@@ -1,12 +1,12 @@
-#include "color/daylight.h"
+#include "abbe/color/lamp/daylight.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "color/lamp.h"
-#include "load/catalogue.h"
-#include "load/computed_spectra.h"
+#include "abbe/color/lamp/lamp.h"
+#include "abbe/load/spectra/catalogue.h"
+#include "abbe/load/spectra/computed.h"
 
 namespace abbe {
 namespace {

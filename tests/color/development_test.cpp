@@ -1,9 +1,9 @@
-#include "color/development.h"
+#include "abbe/color/development.h"
 
 #include <gtest/gtest.h>
 
-#include "base/error.h"
-#include "load/catalogue.h"
+#include "abbe/base/error.h"
+#include "abbe/load/spectra/catalogue.h"
 
 namespace abbe {
 namespace {

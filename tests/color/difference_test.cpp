@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "color/color.h"
+#include "abbe/color/color.h"
 
 namespace abbe {
 namespace {

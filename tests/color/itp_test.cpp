@@ -1,8 +1,8 @@
-#include "color/itp.h"
+#include "abbe/color/itp.h"
 
 #include <gtest/gtest.h>
 
-#include "color/color.h"
+#include "abbe/color/color.h"
 
 namespace abbe {
 namespace {

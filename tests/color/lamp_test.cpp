@@ -1,8 +1,8 @@
-#include "color/lamp.h"
+#include "abbe/color/lamp/lamp.h"
 
 #include <gtest/gtest.h>
 
-#include "load/catalogue.h"
+#include "abbe/load/spectra/catalogue.h"
 
 namespace abbe {
 namespace {

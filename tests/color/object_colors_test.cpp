@@ -1,10 +1,10 @@
-#include "color/object_colors.h"
+#include "abbe/color/uplift/object_colors.h"
 
 #include <gtest/gtest.h>
 
-#include "color/color.h"
-#include "color/rgb_space.h"
-#include "load/catalogue.h"
+#include "abbe/color/color.h"
+#include "abbe/color/rgb_space.h"
+#include "abbe/load/spectra/catalogue.h"
 
 namespace abbe {
 namespace {

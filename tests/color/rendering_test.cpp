@@ -1,10 +1,10 @@
-#include "color/rendering.h"
+#include "abbe/color/lamp/rendering.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "load/catalogue.h"
-#include "load/computed_spectra.h"
+#include "abbe/load/spectra/catalogue.h"
+#include "abbe/load/spectra/computed.h"
 
 namespace abbe {
 namespace {

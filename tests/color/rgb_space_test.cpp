@@ -1,10 +1,10 @@
-#include "color/rgb_space.h"
+#include "abbe/color/rgb_space.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/error.h"
-#include "color/color.h"
+#include "abbe/base/error.h"
+#include "abbe/color/color.h"
 
 namespace abbe {
 namespace {

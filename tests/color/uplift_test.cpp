@@ -1,4 +1,4 @@
-#include "color/uplift.h"
+#include "abbe/color/uplift/uplift.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <random>
 #include <vector>
 
-#include "color/color.h"
-#include "color/object_colors.h"
-#include "color/rgb_space.h"
-#include "load/catalogue.h"
+#include "abbe/color/color.h"
+#include "abbe/color/rgb_space.h"
+#include "abbe/color/uplift/object_colors.h"
+#include "abbe/load/spectra/catalogue.h"
 
 namespace abbe {
 namespace {

@@ -1,4 +1,4 @@
-#include "display/display.h"
+#include "abbe/display/display.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "base/error.h"
+#include "abbe/base/error.h"
 #include "image/temporary_folder.h"
 
 namespace abbe {

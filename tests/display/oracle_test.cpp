@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "display/display.h"
-#include "image/exr.h"
-#include "image/raster.h"
+#include "abbe/display/display.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/image/raster/raster.h"
 #include "image/temporary_folder.h"
 
 namespace abbe {

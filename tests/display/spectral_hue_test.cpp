@@ -5,10 +5,10 @@
 #include <cmath>
 #include <optional>
 
-#include "base/constants.h"
-#include "color/color.h"
-#include "display/display.h"
-#include "load/catalogue.h"
+#include "abbe/base/constants.h"
+#include "abbe/color/color.h"
+#include "abbe/display/display.h"
+#include "abbe/load/spectra/catalogue.h"
 
 namespace abbe {
 namespace {

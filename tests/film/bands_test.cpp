@@ -1,9 +1,9 @@
-#include "film/bands.h"
+#include "abbe/film/bands.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/error.h"
+#include "abbe/base/error.h"
 
 namespace abbe {
 namespace {

@@ -1,4 +1,4 @@
-#include "film/film.h"
+#include "abbe/film/film.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <limits>
 #include <random>
 
-#include "base/error.h"
-#include "base/parallel.h"
-#include "film/filter.h"
+#include "abbe/base/error.h"
+#include "abbe/base/parallel.h"
+#include "abbe/film/filter.h"
 
 namespace abbe {
 namespace {

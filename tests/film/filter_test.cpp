@@ -1,11 +1,11 @@
-#include "film/filter.h"
+#include "abbe/film/filter.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "base/error.h"
+#include "abbe/base/error.h"
 
 namespace abbe {
 namespace {

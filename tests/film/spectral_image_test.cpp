@@ -1,11 +1,11 @@
-#include "film/spectral_image.h"
+#include "abbe/film/spectral_image.h"
 
 #include <gtest/gtest.h>
 
-#include "base/constants.h"
-#include "base/error.h"
-#include "image/exr.h"
-#include "load/catalogue.h"
+#include "abbe/base/constants.h"
+#include "abbe/base/error.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/load/spectra/catalogue.h"
 
 namespace abbe {
 namespace {

@@ -8,9 +8,9 @@
 #include <cctype>
 #include <cstdlib>
 
+#include "abbe/image/exr/exr.h"
+#include "abbe/report/golden.h"
 #include "cli/program.h"
-#include "image/exr.h"
-#include "report/golden.h"
 
 namespace abbe {
 namespace {

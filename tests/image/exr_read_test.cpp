@@ -15,8 +15,8 @@
 #include <cstring>
 #include <random>
 
-#include "base/error.h"
-#include "image/exr.h"
+#include "abbe/base/error.h"
+#include "abbe/image/exr/exr.h"
 #include "image/temporary_folder.h"
 
 namespace abbe {

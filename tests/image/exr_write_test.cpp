@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "base/error.h"
-#include "image/exr.h"
+#include "abbe/base/error.h"
+#include "abbe/image/exr/exr.h"
 #include "image/temporary_folder.h"
 
 namespace abbe {

@@ -1,8 +1,8 @@
-#include "image/flip.h"
+#include "abbe/image/metrics/flip.h"
 
 #include <gtest/gtest.h>
 
-#include "base/error.h"
+#include "abbe/base/error.h"
 
 namespace abbe {
 namespace {

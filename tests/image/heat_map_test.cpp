@@ -1,10 +1,10 @@
-#include "image/heat_map.h"
+#include "abbe/image/metrics/heat_map.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "image/false_color.h"
+#include "abbe/image/metrics/false_color.h"
 
 namespace abbe {
 namespace {

@@ -1,12 +1,12 @@
-#include "image/metrics.h"
+#include "abbe/image/metrics/metrics.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "base/error.h"
-#include "image/compare.h"
+#include "abbe/base/error.h"
+#include "abbe/image/metrics/compare.h"
 
 namespace abbe {
 namespace {

@@ -1,4 +1,4 @@
-#include "image/raster.h"
+#include "abbe/image/raster/raster.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
@@ -8,7 +8,7 @@
 #include <limits>
 #include <map>
 
-#include "base/error.h"
+#include "abbe/base/error.h"
 #include "image/temporary_folder.h"
 
 namespace abbe {

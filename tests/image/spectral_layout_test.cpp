@@ -7,7 +7,7 @@
 #include <map>
 #include <regex>
 
-#include "image/exr.h"
+#include "abbe/image/exr/exr.h"
 #include "image/temporary_folder.h"
 
 namespace abbe {

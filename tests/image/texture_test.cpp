@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <random>
 
-#include "base/error.h"
+#include "abbe/base/error.h"
+#include "abbe/image/raster/raster.h"
 #include "image/png_bytes.h"
-#include "image/raster.h"
 #include "image/temporary_folder.h"
 
 namespace abbe {

@@ -1,6 +1,6 @@
 // Ways over two planes are the shortest, or run over the edge between them.
 
-#include "integrate/chain_solver.h"
+#include "abbe/integrate/light/chain_solver.h"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "base/constants.h"
-#include "image/exr.h"
+#include "abbe/base/constants.h"
+#include "abbe/image/exr/exr.h"
 #include "support/airy.h"
 #include "support/scene_builder.h"
 

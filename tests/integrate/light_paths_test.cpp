@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "base/constants.h"
-#include "image/exr.h"
-#include "integrate/light_paths.h"
-#include "optics/dispersion.h"
+#include "abbe/base/constants.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/integrate/light/light_paths.h"
+#include "abbe/optics/dispersion.h"
 #include "support/scene_builder.h"
 
 namespace abbe {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "base/constants.h"
-#include "optics/fresnel.h"
+#include "abbe/base/constants.h"
+#include "abbe/optics/fresnel.h"
 #include "support/scene_builder.h"
 
 namespace abbe {

@@ -1,5 +1,5 @@
 /// Shadow rays of neighbours become packets, lamp by lamp.
-#include "integrate/related_rays.h"
+#include "abbe/integrate/light/coherent_shadow_rays.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "integrate/surface_point.h"
-#include "math/sampling.h"
+#include "abbe/integrate/surface/point.h"
+#include "abbe/math/sampling.h"
 #include "support/scene_builder.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -18,7 +18,7 @@
 // After foreach_target.h, as Highway asks.
 #include <hwy/highway.h>
 
-#include "integrate/surface_lanes-inl.h"
+#include "abbe/integrate/surface/point_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {

@@ -13,7 +13,7 @@
 #include <set>
 #include <string>
 
-#include "image/exr.h"
+#include "abbe/image/exr/exr.h"
 
 namespace abbe {
 namespace {

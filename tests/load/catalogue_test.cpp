@@ -1,4 +1,4 @@
-#include "load/catalogue.h"
+#include "abbe/load/spectra/catalogue.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "base/constants.h"
-#include "base/error.h"
+#include "abbe/base/constants.h"
+#include "abbe/base/error.h"
 
 namespace abbe {
 namespace {

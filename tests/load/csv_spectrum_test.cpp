@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/error.h"
-#include "load/foreign_spectra.h"
+#include "abbe/base/error.h"
+#include "abbe/load/spectra/foreign.h"
 
 namespace abbe {
 namespace {

@@ -1,4 +1,4 @@
-#include "load/foreign_spectra.h"
+#include "abbe/load/spectra/foreign.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <functional>
 
-#include "base/constants.h"
-#include "base/error.h"
+#include "abbe/base/constants.h"
+#include "abbe/base/error.h"
 
 namespace abbe {
 namespace {

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "base/error.h"
-#include "load/gltf.h"
+#include "abbe/base/error.h"
+#include "abbe/load/gltf.h"
 
 namespace abbe {
 

@@ -1,4 +1,4 @@
-#include "load/gltf_document.h"
+#include "abbe/load/gltf/document/document.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "base/error.h"
-#include "load/gltf.h"
-#include "scene/validation.h"
+#include "abbe/base/error.h"
+#include "abbe/load/gltf.h"
+#include "abbe/scene/validation.h"
 
 namespace abbe {
 namespace {

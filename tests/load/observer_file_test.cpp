@@ -1,11 +1,11 @@
-#include "load/observer_file.h"
+#include "abbe/load/spectra/observer_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "base/error.h"
+#include "abbe/base/error.h"
 #include "image/temporary_folder.h"
 
 namespace abbe {

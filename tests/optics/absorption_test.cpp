@@ -1,4 +1,4 @@
-#include "optics/absorption.h"
+#include "abbe/optics/absorption.h"
 
 #include <gtest/gtest.h>
 

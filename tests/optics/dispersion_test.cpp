@@ -1,11 +1,11 @@
-#include "optics/dispersion.h"
+#include "abbe/optics/dispersion.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "base/constants.h"
+#include "abbe/base/constants.h"
 
 namespace abbe {
 namespace {

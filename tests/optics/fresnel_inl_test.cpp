@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "optics/fresnel.h"
+#include "abbe/optics/fresnel.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optics/fresnel_inl_test.cpp"
@@ -16,7 +16,7 @@
 // After foreach_target.h, as Highway asks.
 #include <hwy/highway.h>
 
-#include "optics/fresnel-inl.h"
+#include "abbe/optics/fresnel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {

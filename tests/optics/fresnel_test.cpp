@@ -1,10 +1,10 @@
-#include "optics/fresnel.h"
+#include "abbe/optics/fresnel.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "base/constants.h"
+#include "abbe/base/constants.h"
 
 namespace abbe {
 namespace {

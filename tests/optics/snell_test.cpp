@@ -1,13 +1,13 @@
-#include "optics/snell.h"
+#include "abbe/optics/snell.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
-#include "base/constants.h"
-#include "math/vec.h"
-#include "optics/dispersion.h"
+#include "abbe/base/constants.h"
+#include "abbe/math/vec.h"
+#include "abbe/optics/dispersion.h"
 
 namespace abbe {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <vector>
 
-#include "base/constants.h"
+#include "abbe/base/constants.h"
 #include "support/airy.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -17,7 +17,7 @@
 // After foreach_target.h, as Highway asks.
 #include <hwy/highway.h>
 
-#include "optics/thin_film-inl.h"
+#include "abbe/optics/thin_film-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {

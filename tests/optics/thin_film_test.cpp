@@ -1,11 +1,11 @@
-#include "optics/thin_film.h"
+#include "abbe/optics/thin_film.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "base/constants.h"
-#include "optics/fresnel.h"
+#include "abbe/base/constants.h"
+#include "abbe/optics/fresnel.h"
 #include "support/airy.h"
 
 namespace abbe {

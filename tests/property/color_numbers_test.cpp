@@ -3,12 +3,12 @@
 
 #include <cmath>
 
-#include "base/constants.h"
-#include "color/color.h"
-#include "color/uplift.h"
-#include "display/display.h"
-#include "image/exr.h"
-#include "load/gltf.h"
+#include "abbe/base/constants.h"
+#include "abbe/color/color.h"
+#include "abbe/color/uplift/uplift.h"
+#include "abbe/display/display.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/load/gltf.h"
 #include "support/scene_builder.h"
 
 namespace abbe {

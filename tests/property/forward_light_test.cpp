@@ -10,8 +10,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "base/constants.h"
-#include "image/exr.h"
+#include "abbe/base/constants.h"
+#include "abbe/image/exr/exr.h"
 #include "support/caustic_scenes.h"
 #include "support/newton.h"
 #include "support/scene_builder.h"

@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "base/error.h"
-#include "color/color.h"
-#include "image/exr.h"
-#include "image/metrics.h"
-#include "load/gltf.h"
+#include "abbe/base/error.h"
+#include "abbe/color/color.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/image/metrics/metrics.h"
+#include "abbe/load/gltf.h"
 #include "support/scene_builder.h"
 
 namespace abbe {

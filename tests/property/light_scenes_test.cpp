@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "base/constants.h"
-#include "color/color.h"
-#include "image/exr.h"
-#include "load/gltf.h"
-#include "optics/fresnel.h"
-#include "scene/lamps.h"
+#include "abbe/base/constants.h"
+#include "abbe/color/color.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/load/gltf.h"
+#include "abbe/optics/fresnel.h"
+#include "abbe/scene/lamps.h"
 #include "support/airy.h"
 #include "support/gems.h"
 #include "support/scene_builder.h"

@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "base/constants.h"
-#include "image/exr.h"
-#include "load/gltf.h"
-#include "optics/dispersion.h"
-#include "optics/fresnel.h"
-#include "optics/snell.h"
+#include "abbe/base/constants.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/load/gltf.h"
+#include "abbe/optics/dispersion.h"
+#include "abbe/optics/fresnel.h"
+#include "abbe/optics/snell.h"
 #include "support/image_difference.h"
 #include "support/newton.h"
 #include "support/scene_builder.h"

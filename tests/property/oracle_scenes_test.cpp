@@ -9,8 +9,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "image/exr.h"
-#include "load/gltf.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/load/gltf.h"
 #include "support/scene_builder.h"
 
 namespace abbe {

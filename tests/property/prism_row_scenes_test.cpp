@@ -6,15 +6,15 @@
 #include <cmath>
 #include <utility>
 
-#include "base/constants.h"
-#include "color/color.h"
-#include "color/lamp.h"
-#include "film/film.h"
-#include "image/exr.h"
-#include "load/gltf.h"
-#include "optics/dispersion.h"
-#include "optics/fresnel.h"
-#include "optics/snell.h"
+#include "abbe/base/constants.h"
+#include "abbe/color/color.h"
+#include "abbe/color/lamp/lamp.h"
+#include "abbe/film/film.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/load/gltf.h"
+#include "abbe/optics/dispersion.h"
+#include "abbe/optics/fresnel.h"
+#include "abbe/optics/snell.h"
 #include "support/scene_builder.h"
 
 namespace abbe {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "image/exr.h"
-#include "image/metrics.h"
-#include "load/gltf.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/image/metrics/metrics.h"
+#include "abbe/load/gltf.h"
 #include "support/image_difference.h"
 #include "support/scene_builder.h"
 

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "base/error.h"
-#include "base/parallel.h"
-#include "color/color.h"
-#include "image/exr.h"
+#include "abbe/base/error.h"
+#include "abbe/base/parallel.h"
+#include "abbe/color/color.h"
+#include "abbe/image/exr/exr.h"
 #include "support/scene_builder.h"
 
 namespace abbe {

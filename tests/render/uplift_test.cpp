@@ -1,7 +1,7 @@
 // Colours of scenes, by whatever way they reach the lanes, develop to themselves under D65.
 #include <gtest/gtest.h>
 
-#include "color/color.h"
+#include "abbe/color/color.h"
 #include "support/scene_builder.h"
 
 namespace abbe {

@@ -1,6 +1,6 @@
 // A whole shared out among its causes: games whose answers are known.
 
-#include "report/attribution.h"
+#include "abbe/report/attribution.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

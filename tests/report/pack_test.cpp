@@ -1,13 +1,13 @@
 // Numbers as text in a page, read back as a browser would.
 
-#include "report/pack.h"
+#include "abbe/report/pack.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>
 
 #include <cmath>
 
-#include "report/page.h"
+#include "abbe/report/page.h"
 
 namespace abbe {
 namespace {

@@ -1,4 +1,4 @@
-#include "scene/colors.h"
+#include "abbe/scene/colors.h"
 
 #include <gtest/gtest.h>
 

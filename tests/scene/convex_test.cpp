@@ -1,4 +1,4 @@
-#include "scene/convex.h"
+#include "abbe/scene/convex.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "scene/scene.h"
+#include "abbe/scene/scene.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "base/error.h"
-#include "scene/validation.h"
+#include "abbe/base/error.h"
+#include "abbe/scene/validation.h"
 
 namespace abbe {
 namespace {

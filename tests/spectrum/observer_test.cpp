@@ -1,12 +1,12 @@
 // Published numbers of colorimetry, from the files of spectra/.
-#include "spectrum/observer.h"
+#include "abbe/spectrum/observer.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "base/constants.h"
-#include "load/catalogue.h"
+#include "abbe/base/constants.h"
+#include "abbe/load/spectra/catalogue.h"
 
 namespace abbe {
 namespace {

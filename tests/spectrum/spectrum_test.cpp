@@ -1,4 +1,4 @@
-#include "spectrum/spectrum.h"
+#include "abbe/spectrum/spectrum.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/error.h"
+#include "abbe/base/error.h"
 
 namespace abbe {
 namespace {

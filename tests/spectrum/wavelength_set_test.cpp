@@ -1,4 +1,4 @@
-#include "spectrum/wavelength_set.h"
+#include "abbe/spectrum/wavelength_set.h"
 
 #include <gtest/gtest.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <set>
 
-#include "base/constants.h"
-#include "base/error.h"
-#include "load/catalogue.h"
-#include "spectrum/wavelength_density.h"
+#include "abbe/base/constants.h"
+#include "abbe/base/error.h"
+#include "abbe/load/spectra/catalogue.h"
+#include "abbe/spectrum/wavelength_density.h"
 
 namespace abbe {
 namespace {

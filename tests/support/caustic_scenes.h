@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.h"
+#include "abbe/scene/scene.h"
 #include "support/forward_light.h"
 
 namespace abbe::test {

@@ -8,10 +8,10 @@
 #include <optional>
 #include <variant>
 
-#include "base/constants.h"
-#include "optics/dispersion.h"
-#include "optics/fresnel.h"
-#include "optics/snell.h"
+#include "abbe/base/constants.h"
+#include "abbe/optics/dispersion.h"
+#include "abbe/optics/fresnel.h"
+#include "abbe/optics/snell.h"
 
 namespace abbe::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "scene/scene.h"
+#include "abbe/scene/scene.h"
 
 namespace abbe::test {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/constants.h"
+#include "abbe/base/constants.h"
 
 namespace abbe::test {
 namespace {

@@ -1,7 +1,7 @@
 /// Cut gems as exact polyhedra.
 #pragma once
 
-#include "scene/scene.h"
+#include "abbe/scene/scene.h"
 
 namespace abbe::test {
 

@@ -1,7 +1,7 @@
 #include "support/image_difference.h"
 
-#include "color/color.h"
-#include "image/metrics.h"
+#include "abbe/color/color.h"
+#include "abbe/image/metrics/metrics.h"
 
 namespace abbe::test {
 

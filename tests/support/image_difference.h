@@ -1,7 +1,7 @@
 /// How far apart two renders are, as seen.
 #pragma once
 
-#include "image/image.h"
+#include "abbe/image/image.h"
 
 namespace abbe::test {
 

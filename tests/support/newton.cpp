@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/constants.h"
+#include "abbe/base/constants.h"
 #include "support/scene_builder.h"
 
 namespace abbe::test {

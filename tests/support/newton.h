@@ -1,8 +1,8 @@
 /// Newton's experiment, made in code.
 #pragma once
 
-#include "optics/dispersion.h"
-#include "scene/scene.h"
+#include "abbe/optics/dispersion.h"
+#include "abbe/scene/scene.h"
 
 namespace abbe::test {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "load/catalogue.h"
-#include "render/render.h"
-#include "scene/scene.h"
-#include "world/world.h"
+#include "abbe/load/spectra/catalogue.h"
+#include "abbe/render/render.h"
+#include "abbe/scene/scene.h"
+#include "abbe/world/world.h"
 
 namespace abbe::test {
 

@@ -1,5 +1,5 @@
 /// Bounds of cones of rays hold for the rays in them.
-#include "world/beam_cone.h"
+#include "abbe/world/beam_cone.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "base/constants.h"
+#include "abbe/base/constants.h"
 
 namespace abbe {
 namespace {

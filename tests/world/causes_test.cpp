@@ -1,11 +1,11 @@
 // What can make a spectral image differ, found in a scene before anything is rendered.
 
-#include "world/causes.h"
+#include "abbe/world/causes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/error.h"
+#include "abbe/base/error.h"
 #include "support/scene_builder.h"
 
 namespace abbe {

@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "base/constants.h"
+#include "abbe/base/constants.h"
+#include "abbe/world/flat_bodies.h"
 #include "support/gems.h"
 #include "support/scene_builder.h"
-#include "world/flat_bodies.h"
 
 namespace abbe {
 namespace {

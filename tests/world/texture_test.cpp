@@ -1,13 +1,13 @@
 // Textures: wrapping, filtering, mipmaps, encodings.
 
-#include "world/texture.h"
+#include "abbe/world/texture.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "color/color.h"
+#include "abbe/color/color.h"
 
 namespace abbe {
 namespace {

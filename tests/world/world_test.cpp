@@ -1,14 +1,14 @@
 // Scenes made ready to trace: placement, winding, lanes, lights.
 
-#include "world/world.h"
+#include "abbe/world/world.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "base/constants.h"
-#include "base/error.h"
-#include "color/uplift.h"
+#include "abbe/base/constants.h"
+#include "abbe/base/error.h"
+#include "abbe/color/uplift/uplift.h"
 #include "support/scene_builder.h"
 
 namespace abbe {

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "base/constants.h"
-#include "optics/dispersion.h"
+#include "abbe/base/constants.h"
+#include "abbe/optics/dispersion.h"
 
 int main() {
   // SCHOTT N-BK7, data sheet: n_d = 1.51680.

@@ -1,0 +1,217 @@
+#include "abbe/accel/kd/build/build.h"
+
+#include <oneapi/tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "abbe/accel/kd/build/primitives.h"
+#include "abbe/accel/kd/build/sharing.h"
+#include "abbe/accel/kd/build/split.h"
+#include "abbe/accel/kd/layout.h"
+#include "abbe/base/parallel.h"
+
+namespace abbe {
+namespace {
+
+// Cells with more references are split into parallel tasks, each with memory of its own.
+constexpr std::size_t kTaskLimit = 8192;
+// A leaf of sixteen triangles seldom shares sixteen vertices; one of fourteen mostly does, if
+// three or more triangles meet in each.
+constexpr std::uint32_t kSharedBlockTriangles = 14;
+constexpr double kSharingTriangles = 3.0;
+// Small scenes may duplicate freely: so many references cost 40 MB.
+constexpr std::size_t kFreeReferences = std::size_t{1} << 20;
+
+struct Job {
+  Box3f cell;
+  std::uint32_t depth = 0;
+  std::size_t added_budget = 0;  ///< References this subtree may have beyond those it begins with.
+};
+
+std::pair<Job, Job> split_job(const Job& job, const Split& split, std::size_t count,
+                              std::size_t below, std::size_t above) {
+  Job low{job.cell, job.depth + 1, 0};
+  Job high = low;
+  low.cell.high[split.axis] = split.plane;
+  high.cell.low[split.axis] = split.plane;
+  const std::size_t total = below + above;
+  const std::size_t added = total > count ? total - count : 0;
+  const std::size_t left = job.added_budget > added ? job.added_budget - added : 0;
+  low.added_budget =
+      static_cast<std::size_t>(static_cast<double>(left) * static_cast<double>(below) /
+                               static_cast<double>(std::max<std::size_t>(total, 1)));
+  high.added_budget = left - low.added_budget;
+  return {low, high};
+}
+
+/// Builds one subtree on one thread, its references on one stack.
+class SubtreeBuilder {
+ public:
+  SubtreeBuilder(const ShapeSpans& shapes, const KdTreeConfig& config)
+      : shapes_(shapes), config_(config), finder_(shapes, config) {}
+
+  BuildTree build(std::vector<BuildReference> references, const Job& job) {
+    stack_ = std::move(references);
+    build_range(0, job);
+    return std::move(tree_);
+  }
+
+ private:
+  // Builds the subtree of the references from `first` to the top of the stack.
+  std::uint32_t build_range(std::size_t first, const Job& job) {
+    const std::size_t count = stack_.size() - first;
+    const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
+    tree_.nodes.emplace_back();
+    std::optional<Split> split;
+    if (job.depth < config_.max_depth) {
+      split = finder_.find({stack_.data() + first, count}, job.cell, job.added_budget);
+    }
+    if (!split) {
+      tree_.nodes[index].first = static_cast<std::uint32_t>(tree_.primitives.size());
+      tree_.nodes[index].second = static_cast<std::uint32_t>(count);
+      for (std::size_t i = first; i < stack_.size(); ++i) {
+        tree_.primitives.push_back(stack_[i].primitive);
+      }
+      return index;
+    }
+    // Those below stay, packed at the front; those above go on top and are built first.
+    Box3f low_cell = job.cell;
+    Box3f high_cell = job.cell;
+    low_cell.high[split->axis] = split->plane;
+    high_cell.low[split->axis] = split->plane;
+    std::size_t kept = first;
+    for (std::size_t i = first; i < first + count; ++i) {
+      const BuildReference r = stack_[i];
+      const bool below = split->goes_below(r);
+      const bool above = split->goes_above(r);
+      if (below && above) {
+        BuildReference part = r;
+        if (clip_reference(shapes_, high_cell, part)) stack_.push_back(part);
+        part = r;
+        if (clip_reference(shapes_, low_cell, part)) stack_[kept++] = part;
+      } else if (above) {
+        stack_.push_back(r);
+      } else {
+        stack_[kept++] = r;
+      }
+    }
+    const std::size_t below_count = kept - first;
+    const std::size_t above_count = stack_.size() - (first + count);
+    const auto [low_job, high_job] = split_job(job, *split, count, below_count, above_count);
+    const std::uint32_t high = build_range(first + count, high_job);
+    stack_.resize(kept);
+    const std::uint32_t low = build_range(first, low_job);
+    tree_.nodes[index] = {static_cast<std::uint32_t>(split->axis), split->plane, low, high};
+    return index;
+  }
+
+  const ShapeSpans& shapes_;
+  const KdTreeConfig& config_;
+  SplitFinder finder_;
+  std::vector<BuildReference> stack_;
+  BuildTree tree_;
+};
+
+/// The upper part of the tree while its subtrees are built in parallel.
+struct Branch {
+  Split split;
+  std::unique_ptr<Branch> below, above;  ///< Both null: `subtree` has it all.
+  BuildTree subtree;
+};
+
+std::unique_ptr<Branch> build_branch(const ShapeSpans& shapes, const KdTreeConfig& config,
+                                     std::vector<BuildReference> references, const Job& job) {
+  auto branch = std::make_unique<Branch>();
+  std::optional<Split> split;
+  if (references.size() > kTaskLimit && job.depth < config.max_depth) {
+    split = SplitFinder(shapes, config).find(references, job.cell, job.added_budget);
+  }
+  if (!split) {
+    branch->subtree = SubtreeBuilder(shapes, config).build(std::move(references), job);
+    return branch;
+  }
+  Box3f low_cell = job.cell;
+  Box3f high_cell = job.cell;
+  low_cell.high[split->axis] = split->plane;
+  high_cell.low[split->axis] = split->plane;
+  std::vector<BuildReference> low, high;
+  for (const BuildReference& r : references) {
+    const bool below = split->goes_below(r);
+    const bool above = split->goes_above(r);
+    BuildReference part = r;
+    if (below && (!above || clip_reference(shapes, low_cell, part))) low.push_back(part);
+    part = r;
+    if (above && (!below || clip_reference(shapes, high_cell, part))) high.push_back(part);
+  }
+  const auto jobs = split_job(job, *split, references.size(), low.size(), high.size());
+  std::vector<BuildReference>().swap(references);
+  branch->split = *split;
+  oneapi::tbb::parallel_invoke(
+      [&] { branch->below = build_branch(shapes, config, std::move(low), jobs.first); },
+      [&] { branch->above = build_branch(shapes, config, std::move(high), jobs.second); });
+  return branch;
+}
+
+std::uint32_t append_branch(const Branch& branch, BuildTree& tree) {
+  const auto index = static_cast<std::uint32_t>(tree.nodes.size());
+  if (branch.below == nullptr) {
+    const auto first_primitive = static_cast<std::uint32_t>(tree.primitives.size());
+    for (BuildNode node : branch.subtree.nodes) {
+      if (node.axis == BuildNode::kLeaf) {
+        node.first += first_primitive;
+      } else {
+        node.first += index;
+        node.second += index;
+      }
+      tree.nodes.push_back(node);
+    }
+    tree.primitives.insert(tree.primitives.end(), branch.subtree.primitives.begin(),
+                           branch.subtree.primitives.end());
+    return index;
+  }
+  tree.nodes.emplace_back();
+  const std::uint32_t low = append_branch(*branch.below, tree);
+  const std::uint32_t high = append_branch(*branch.above, tree);
+  tree.nodes[index] = {static_cast<std::uint32_t>(branch.split.axis), branch.split.plane, low,
+                       high};
+  return index;
+}
+
+}  // namespace
+
+BuildTree build_kd_tree(const ShapeSpans& shapes, const KdTreeConfig& given_config) {
+  KdTreeConfig config = given_config;
+  config.max_depth = std::min(config.max_depth, kMaxTreeDepth);
+  if (config.block_size == 0) {
+    config.block_size =
+        triangles_per_vertex(shapes) < kSharingTriangles ? kBlockTriangles : kSharedBlockTriangles;
+  }
+  const std::size_t count = shapes.primitive_count();
+  std::vector<BuildReference> references(count);
+  parallel_for(0, count, 4096, [&](std::size_t i) {
+    references[i] = make_reference(shapes, static_cast<std::uint32_t>(i));
+  });
+  BuildTree tree;
+  for (const BuildReference& r : references) {
+    tree.bounds.extend(Vec3f(r.low[0], r.low[1], r.low[2]));
+    tree.bounds.extend(Vec3f(r.high[0], r.high[1], r.high[2]));
+  }
+  if (count == 0) {
+    tree.nodes.emplace_back();
+    return tree;
+  }
+  const double allowed =
+      std::max(static_cast<double>(config.max_references) * static_cast<double>(count),
+               static_cast<double>(kFreeReferences));
+  const Job job{tree.bounds, 0,
+                static_cast<std::size_t>(std::max(allowed - static_cast<double>(count), 0.0))};
+  const auto root = build_branch(shapes, config, std::move(references), job);
+  append_branch(*root, tree);
+  return tree;
+}
+
+}  // namespace abbe

@@ -1,0 +1,24 @@
+/// What the builder moves around: a primitive and the box of its part inside the current cell.
+#pragma once
+
+#include <cstdint>
+
+#include "abbe/accel/shapes.h"
+
+namespace abbe {
+
+struct BuildReference {
+  float low[3];
+  float high[3];
+  std::uint32_t primitive;
+};
+
+/// The box of a whole primitive.
+BuildReference make_reference(const ShapeSpans& shapes, std::uint32_t primitive);
+
+/// Narrows `reference` to the part of its primitive inside the cell, whose box it must overlap.
+/// Triangles are clipped exactly, solids by their box. The box is rounded outwards but never leaves
+/// the cell. Returns false when nothing of the primitive is inside.
+bool clip_reference(const ShapeSpans& shapes, const Box3f& cell, BuildReference& reference);
+
+}  // namespace abbe

@@ -1,0 +1,328 @@
+/// The triangles and solids of a leaf against a packet of rays, or two: those beside the packet are
+/// dropped sixteen at a time, and the rest is tested against sixteen rays at a time. Compiled once
+/// for each instruction set level.
+
+#if defined(ABBE_ACCEL_KD_TRACE_PACKET_LEAF_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ABBE_ACCEL_KD_TRACE_PACKET_LEAF_INL_H_
+#undef ABBE_ACCEL_KD_TRACE_PACKET_LEAF_INL_H_
+#else
+#define ABBE_ACCEL_KD_TRACE_PACKET_LEAF_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "abbe/accel/kd/trace/lanes-inl.h"
+#include "abbe/accel/kd/trace/state.h"
+#include "abbe/accel/leaf/corners-inl.h"
+#include "abbe/accel/leaf/solids-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace abbe {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// A block as seen from the line of a packet.
+struct alignas(64) SeenBlock {
+  float vertices[3][kLooseVertices];  ///< Relative to where the line or all rays begin, if they do.
+  std::uint32_t near;                 ///< The triangles that the packet's rays may meet.
+};
+
+template <bool kLoose, int kLanes>
+HWY_INLINE void SeeBlock(const TriangleBlock& block, const PacketState<kLanes>& p,
+                         SeenBlock& seen) {
+  const LaneF d;
+  using V = hn::Vec<LaneF>;
+  float* const moved[3] = {seen.vertices[p.axes.x], seen.vertices[p.axes.y],
+                           seen.vertices[p.axes.z]};
+  const Corners<kLoose> corners(
+      block, p.axes, {p.line_x, p.line_y, p.line_z, p.line_shear_x, p.line_shear_y}, moved);
+  const float depth = p.farthest * p.longest_z + p.half_z;
+  const V first_z = hn::Set(d, p.is_z_positive ? -p.half_z : -depth);
+  const V last_z = hn::Set(d, p.is_z_positive ? depth : p.half_z);
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
+    V ax, ay, az, bx, by, bz, cx, cy, cz;
+    corners.get(i, 0, ax, ay, az);
+    corners.get(i, 1, bx, by, bz);
+    corners.get(i, 2, cx, cy, cz);
+    const V low_z = hn::Min(hn::Min(az, bz), cz), high_z = hn::Max(hn::Max(az, bz), cz);
+    const V far = hn::Max(hn::Abs(low_z), hn::Abs(high_z));
+    const V half_x = hn::Add(hn::Set(d, p.half_x), hn::Mul(hn::Set(d, p.spread_x), far));
+    const V half_y = hn::Add(hn::Set(d, p.half_y), hn::Mul(hn::Set(d, p.spread_y), far));
+    const auto z_near = hn::And(hn::Ge(high_z, first_z), hn::Le(low_z, last_z));
+    const auto x_near = hn::And(hn::Le(hn::Min(hn::Min(ax, bx), cx), half_x),
+                                hn::Ge(hn::Max(hn::Max(ax, bx), cx), hn::Neg(half_x)));
+    const auto y_near = hn::And(hn::Le(hn::Min(hn::Min(ay, by), cy), half_y),
+                                hn::Ge(hn::Max(hn::Max(ay, by), cy), hn::Neg(half_y)));
+    // A ray between the lines of an edge's sides: the edge function of the line, give or take
+    // what it changes by over the width of the packet. Rays that some edge has to their left and
+    // some other to their right, all of them, pass the triangle.
+    const V u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
+    const V v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
+    const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
+    const V du = hn::Add(hn::Mul(half_x, hn::Abs(hn::Sub(cy, by))),
+                         hn::Mul(half_y, hn::Abs(hn::Sub(cx, bx))));
+    const V dv = hn::Add(hn::Mul(half_x, hn::Abs(hn::Sub(ay, cy))),
+                         hn::Mul(half_y, hn::Abs(hn::Sub(ax, cx))));
+    const V dw = hn::Add(hn::Mul(half_x, hn::Abs(hn::Sub(by, ay))),
+                         hn::Mul(half_y, hn::Abs(hn::Sub(bx, ax))));
+    const V most = hn::Min(hn::Min(hn::Add(u, du), hn::Add(v, dv)), hn::Add(w, dw));
+    const V least = hn::Max(hn::Max(hn::Sub(u, du), hn::Sub(v, dv)), hn::Sub(w, dw));
+    const auto edge_near = hn::Or(hn::Ge(most, hn::Zero(d)), hn::Le(least, hn::Zero(d)));
+    bits |= BitsOf(d, hn::And(hn::And(z_near, edge_near), hn::And(x_near, y_near)), i);
+  }
+  // Unused triangles are a vertex, which may well be near.
+  seen.near = bits & ((1u << block.triangle_count) - 1);
+}
+
+// The same for a packet without a line: triangles whose bounds its tube meets.
+template <bool kLoose, int kLanes>
+HWY_INLINE void SeeBounds(const TriangleBlock& block, const PacketState<kLanes>& p,
+                          SeenBlock& seen) {
+  const LaneF d;
+  using V = hn::Vec<LaneF>;
+  if (p.common_origin) {
+    for (int k = 0; k < 3; ++k) {
+      const auto origin = hn::Set(d, p.origin[k][0]);
+      const float* const row = block.row(k);
+      const auto count = static_cast<std::size_t>(block.vertices_per_row());
+      for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+        hn::Store(hn::Sub(hn::Load(d, row + i), origin), d, seen.vertices[k] + i);
+      }
+    }
+  }
+  const Corners<kLoose> corners(block, p.axes, {0.0f, 0.0f, 0.0f, 0.0f, 0.0f});
+  const V least = hn::Set(d, -kInfinity), most = hn::Set(d, kInfinity);
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kBlockTriangles); i += hn::Lanes(d)) {
+    V a[3], b[3], c[3];
+    corners.get(i, 0, a[0], a[1], a[2]);
+    corners.get(i, 1, b[0], b[1], b[2]);
+    corners.get(i, 2, c[0], c[1], c[2]);
+    V enter = hn::Zero(d), leave = hn::Set(d, p.farthest);
+    const auto clip = [&](int axis, const V& low, const V& high) HWY_ATTR {
+      const V below = hn::Set(d, p.tube.reciprocal[axis]);
+      const V above = hn::Set(d, p.tube.reciprocal[4 + axis]);
+      const V t_below = hn::Mul(hn::Sub(high, hn::Set(d, p.tube.origin[axis])), below);
+      const V t_above = hn::Mul(hn::Sub(low, hn::Set(d, p.tube.origin[4 + axis])), above);
+      enter = hn::Max(enter, hn::Max(hn::IfNegativeThenElse(below, t_below, least),
+                                     hn::IfNegativeThenElse(above, least, t_above)));
+      leave = hn::Min(leave, hn::Min(hn::IfNegativeThenElse(below, most, t_below),
+                                     hn::IfNegativeThenElse(above, t_above, most)));
+    };
+    const int axes[3] = {p.axes.x, p.axes.y, p.axes.z};
+    for (int k = 0; k < 3; ++k) {
+      clip(axes[k], hn::Min(hn::Min(a[k], b[k]), c[k]), hn::Max(hn::Max(a[k], b[k]), c[k]));
+    }
+    bits |= BitsOf(d, hn::Le(enter, leave), i);
+  }
+  seen.near = bits & ((1u << block.triangle_count) - 1);
+}
+
+template <int kLanes>
+HWY_INLINE void Look(const TriangleBlock& block, const PacketState<kLanes>& p, SeenBlock& seen) {
+  if (HWY_UNLIKELY(!p.has_line)) {
+    if (block.is_loose == 0) {
+      SeeBounds<false>(block, p, seen);
+    } else {
+      SeeBounds<true>(block, p, seen);
+    }
+  } else if (HWY_LIKELY(block.is_loose == 0)) {
+    SeeBlock<false>(block, p, seen);
+  } else {
+    SeeBlock<true>(block, p, seen);
+  }
+}
+
+// Triangles that some lane may have hit: what the test came to, the division still to be done. The
+// determinant of a lane that is beside the triangle is zero.
+template <int kLanes>
+struct alignas(64) Candidates {
+  float scaled_t[kBlockTriangles][kLanes];
+  float determinant[kBlockTriangles][kLanes];
+  float v[kBlockTriangles][kLanes], w[kBlockTriangles][kLanes];
+  std::uint32_t id[kBlockTriangles];
+};
+
+// The triangles near the packet against the lanes of a group, with the same operations as for a
+// single ray. First all tests, without a branch on their outcome; then what they found, sorted by
+// distance in registers.
+template <bool kAny, bool kCommonOrigin, int kLanes>
+HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const SeenBlock& seen,
+                                       const ShearGroup& group, PacketState<kLanes>& p,
+                                       Candidates<kLanes>& found) {
+  const LaneF d;
+  const LaneU du;
+  using V = hn::Vec<LaneF>;
+  const int x = group.axes.x, y = group.axes.y, z = group.axes.z;
+  const float* const row_x = kCommonOrigin ? seen.vertices[x] : block.row(x);
+  const float* const row_y = kCommonOrigin ? seen.vertices[y] : block.row(y);
+  const float* const row_z = kCommonOrigin ? seen.vertices[z] : block.row(z);
+  const V zero = hn::Zero(d);
+  std::uint32_t hit_lanes = 0;
+  for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
+    const V sx = hn::Load(d, p.shear_x + i);
+    const V sy = hn::Load(d, p.shear_y + i);
+    const V sz = hn::Load(d, p.shear_z + i);
+    V best = hn::Load(d, p.hits.t + i);
+    const V last_t = hn::Mul(best, hn::Set(d, 1.00001f));
+    const V ox = hn::Load(d, p.origin[x] + i);
+    const V oy = hn::Load(d, p.origin[y] + i);
+    const V oz = hn::Load(d, p.origin[z] + i);
+    const auto relative = [&](const float* row, std::size_t vertex, V origin) HWY_ATTR {
+      const V position = hn::Set(d, row[vertex]);
+      return kCommonOrigin ? position : hn::Sub(position, origin);
+    };
+    std::size_t count = 0;
+    for (std::uint32_t near = seen.near; near != 0; near &= near - 1) {
+      const auto k = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(near));
+      const std::size_t a = block.corners[0][k], b = block.corners[1][k], c = block.corners[2][k];
+      const V az = relative(row_z, a, oz);
+      const V bz = relative(row_z, b, oz);
+      const V cz = relative(row_z, c, oz);
+      const V ax = hn::Sub(relative(row_x, a, ox), hn::Mul(sx, az));
+      const V ay = hn::Sub(relative(row_y, a, oy), hn::Mul(sy, az));
+      const V bx = hn::Sub(relative(row_x, b, ox), hn::Mul(sx, bz));
+      const V by = hn::Sub(relative(row_y, b, oy), hn::Mul(sy, bz));
+      const V cx = hn::Sub(relative(row_x, c, ox), hn::Mul(sx, cz));
+      const V cy = hn::Sub(relative(row_y, c, oy), hn::Mul(sy, cz));
+      const V u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
+      const V v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
+      const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
+      const V determinant = hn::Add(hn::Add(u, v), w);
+      const V weighted_z = hn::Add(hn::Add(hn::Mul(u, az), hn::Mul(v, bz)), hn::Mul(w, cz));
+      const V scaled_t = hn::Mul(weighted_z, sz);
+      auto is_candidate =
+          hn::Or(hn::Ge(hn::Min(hn::Min(u, v), w), zero), hn::Le(hn::Max(hn::Max(u, v), w), zero));
+      if (kAny) {
+        // Most triangles near a shadow ray are the one it ends at: a first look without the
+        // division, a little too generous, saves them. In the search for the closest they are
+        // mostly hits.
+        const V forward = hn::CopySign(hn::Abs(scaled_t), hn::Xor(scaled_t, determinant));
+        const V last = hn::Mul(hn::Abs(determinant), last_t);
+        is_candidate = hn::And(is_candidate, hn::And(hn::Ge(forward, zero), hn::Le(forward, last)));
+      }
+      const V kept = hn::IfThenElseZero(is_candidate, determinant);
+      hn::Store(scaled_t, d, found.scaled_t[count]);
+      hn::Store(kept, d, found.determinant[count]);
+      if (!kAny) {
+        hn::Store(v, d, found.v[count]);
+        hn::Store(w, d, found.w[count]);
+        found.id[count] = block.id[k];
+      }
+      count += hn::AllFalse(d, is_candidate) ? 0u : 1u;
+    }
+    if (count == 0) continue;
+    if (kAny) {
+      // Which of them it is does not matter: the lanes are retired.
+      auto is_hit = hn::Lt(best, best);
+      for (std::size_t c = 0; c < count; ++c) {
+        const V inverse = hn::Div(hn::Set(d, 1.0f), hn::Load(d, found.determinant[c]));
+        const V t = hn::Mul(hn::Load(d, found.scaled_t[c]), inverse);
+        is_hit = hn::Or(is_hit, hn::And(hn::Gt(t, zero), hn::Lt(t, best)));
+      }
+      hit_lanes |= BitsOf(d, is_hit, i) & group.lanes;
+      continue;
+    }
+    V best_u = hn::Load(d, p.hits.u + i);
+    V best_v = hn::Load(d, p.hits.v + i);
+    auto primitive = hn::Load(du, p.hits.primitive + i);
+    const auto in_group = MaskOf(d, group.lanes, i);
+    std::uint32_t lanes = 0;
+    for (std::size_t c = 0; c < count; ++c) {
+      const V inverse = hn::Div(hn::Set(d, 1.0f), hn::Load(d, found.determinant[c]));
+      const V t = hn::Mul(hn::Load(d, found.scaled_t[c]), inverse);
+      const auto ids = hn::Set(du, found.id[c]);
+      // Of two primitives at the same distance the lower number wins; no primitive is the highest.
+      const auto is_lower = hn::RebindMask(
+          d, hn::And(hn::Lt(ids, primitive), hn::Ne(primitive, hn::Set(du, kNoPrimitive))));
+      const auto is_nearer = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), is_lower));
+      const auto is_hit = hn::And(hn::And(in_group, hn::Gt(t, zero)), is_nearer);
+      lanes |= BitsOf(d, is_hit, i);
+      best = hn::IfThenElse(is_hit, t, best);
+      best_u = hn::IfThenElse(is_hit, hn::Mul(hn::Load(d, found.v[c]), inverse), best_u);
+      best_v = hn::IfThenElse(is_hit, hn::Mul(hn::Load(d, found.w[c]), inverse), best_v);
+      primitive = hn::IfThenElse(hn::RebindMask(du, is_hit), ids, primitive);
+    }
+    hit_lanes |= lanes;
+    hn::Store(best, d, p.hits.t + i);
+    hn::Store(best_u, d, p.hits.u + i);
+    hn::Store(best_v, d, p.hits.v + i);
+    hn::Store(primitive, du, p.hits.primitive + i);
+  }
+  return hit_lanes;
+}
+
+// Lanes that need no further answer.
+template <int kLanes>
+HWY_INLINE void Retire(PacketState<kLanes>& p, std::uint32_t lanes) {
+  const LaneF d;
+  p.active &= ~lanes;
+  p.met |= lanes;
+  for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
+    hn::Store(
+        hn::IfThenElse(MaskOf(d, lanes, i), hn::Set(d, -kInfinity), hn::Load(d, p.hits.t + i)), d,
+        p.hits.t + i);
+  }
+}
+
+// What follows from hits of some lanes.
+template <bool kAny, int kLanes>
+HWY_INLINE void Shorten(PacketState<kLanes>& p, std::uint32_t lanes) {
+  if (kAny) Retire(p, lanes);
+  p.farthest = LargestLane(p.hits.t);
+  p.stack.drop_behind(p.farthest);
+}
+
+// What a block takes from the budget of a packet, in triangles.
+inline constexpr int kBlockCost = 2;
+
+// The triangles of a block that was seen, with what follows from hits.
+template <bool kAny, int kLanes>
+HWY_INLINE void TestPacketBlock(const KdView& view, const TriangleBlock& block, VisibilityMask mask,
+                                SeenBlock& seen, PacketState<kLanes>& p,
+                                Candidates<kLanes>& candidates) {
+  if (HWY_UNLIKELY(view.masks != nullptr)) {
+    for (std::uint32_t near = seen.near; near != 0; near &= near - 1) {
+      const auto k = hwy::Num0BitsBelowLS1Bit_Nonzero32(near);
+      if (!view.is_visible(block.id[k], mask)) seen.near &= ~(1u << k);
+    }
+  }
+  p.budget -= kBlockCost + p.group_count * static_cast<int>(hwy::PopCount(seen.near));
+  if (seen.near == 0) return;
+  std::uint32_t found = 0;
+  for (int g = 0; g < p.group_count; ++g) {
+    found |= p.common_origin ? TestTriangles<kAny, true>(block, seen, p.groups[g], p, candidates)
+                             : TestTriangles<kAny, false>(block, seen, p.groups[g], p, candidates);
+  }
+  if (found != 0) Shorten<kAny>(p, found);
+}
+
+template <bool kAny, int kLanes>
+HWY_INLINE void TestPacketSolid(const KdView& view, std::uint32_t primitive, VisibilityMask mask,
+                                PacketState<kLanes>& p) {
+  if (!view.is_visible(primitive, mask)) return;
+  const std::uint32_t found = TestSolidLanes(view, primitive, p);
+  if (found != 0) Shorten<kAny>(p, found);
+}
+
+template <bool kAny, int kLanes>
+HWY_INLINE void TestMixedPacketLeaf(const KdView& view, VisibilityMask mask, SeenBlock& seen,
+                                    PacketState<kLanes>& p, Candidates<kLanes>& candidates) {
+  const MixedLeaf& mixed = view.mixed_leaves[p.current & kIndexMask];
+  for (KdChild leaf = mixed.triangles; leaf != kEmptyChild;) {
+    const TriangleBlock& block = view.block(leaf);
+    Look(block, p, seen);
+    TestPacketBlock<kAny>(view, block, mask, seen, p, candidates);
+    leaf = next_block(block, leaf);
+  }
+  for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
+    TestPacketSolid<kAny>(view, view.solids[mixed.first_solid + s], mask, p);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace abbe
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,216 @@
+/// What a query carries through the tree, the same for every instruction set level.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "abbe/accel/kd/layout.h"
+#include "abbe/accel/kd/trace/beam.h"
+#include "abbe/accel/query.h"
+
+/// A lambda that is inlined wherever it is called, compiled for the instruction set of its
+/// function.
+#define ABBE_INLINE_LAMBDA HWY_ATTR __attribute__((always_inline))
+
+namespace abbe {
+
+inline constexpr KdChild kDoneChild = 0xffffffffu;
+
+/// Cells still to be visited, the nearest on top. Eight entries are written at a time.
+struct alignas(64) TraversalStack {
+  KdChild child[kStackEntries + 8];
+  float t_near[kStackEntries + 8];
+  float t_far[kStackEntries + 8];
+  int top = 0;
+
+  /// The root above an entry that no ray skips and that says that all is done.
+  void start(KdChild root, const RayTube& tube) {
+    child[0] = kDoneChild;
+    t_near[0] = -kInfinity;
+    t_far[0] = kInfinity;
+    child[1] = root;
+    t_near[1] = tube.t_near;
+    t_far[1] = tube.t_far;
+    top = tube.t_near <= tube.t_far ? 2 : 1;
+  }
+
+  /// Takes the cells off that begin behind t, down to the first that does not. Cells lie in order
+  /// but for the width of tubes, so hardly one is left below.
+  void drop_behind(float t) {
+    while (t_near[top - 1] > t) --top;
+  }
+};
+
+/// What is to be done next for a ray or packet under way.
+namespace WorkList {
+enum : std::size_t { kInner = 0, kLeaf = 1, kDone = 2 };
+}
+
+/// Everything under way by what is to be done next. Branches that a processor would have to guess
+/// ray by ray become loops over lists.
+template <std::size_t kSlots>
+struct WorkLists {
+  std::uint8_t slot[3][kSlots + 1] = {};  ///< The last is written to, but never counts.
+  std::size_t count[3] = {0, 0, 0};
+
+  /// Written to all three lists, of which one grows: which one is no address that the next must
+  /// wait for.
+  void add(KdChild current, std::size_t s) {
+    using namespace WorkList;
+    const std::size_t is_no_node = current >> 31;
+    const std::size_t is_done = current == kDoneChild ? 1 : 0;
+    for (const std::size_t list : {kInner, kLeaf, kDone}) {
+      slot[list][count[list]] = static_cast<std::uint8_t>(s);
+    }
+    count[kInner] += 1 - is_no_node;
+    count[kLeaf] += is_no_node - is_done;
+    count[kDone] += is_done;
+  }
+};
+
+/// The axes of the triangle test: z is the longest component of the direction.
+/// Source: Woop, Benthin & Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013.
+struct ShearAxes {
+  int x, y, z;
+  explicit ShearAxes(int longest) : z(longest) {
+    x = z == 2 ? 0 : z + 1;
+    y = x == 2 ? 0 : x + 1;
+  }
+  ShearAxes() : ShearAxes(2) {}
+};
+
+inline int longest_axis(float x, float y, float z) {
+  return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+}
+
+/// One ray under way.
+struct alignas(64) RayState {
+  RayTube tube;
+  ShearAxes axes;
+  float origin_x = 0.0f, origin_y = 0.0f, origin_z = 0.0f;  ///< Along `axes`.
+  float shear_x = 0.0f, shear_y = 0.0f, shear_z = 0.0f;
+  Hit hit;  ///< hit.t is the end of the open segment; it shrinks with every hit.
+  const Ray* ray = nullptr;
+  std::size_t index = 0;
+  KdChild current = kDoneChild;       ///< The cell the ray is in.
+  float t_near = 0.0f, t_far = 0.0f;  ///< Where it is in there.
+  TraversalStack stack;
+
+  /// All but the tube and the stack. `found` is what was met already; its t ends the segment.
+  void start(const Ray& r, const Hit& found, std::size_t i) {
+    ray = &r;
+    index = i;
+    const Vec3f& d = r.direction;
+    axes = ShearAxes(longest_axis(std::abs(d.x), std::abs(d.y), std::abs(d.z)));
+    shear_z = 1.0f / d[axes.z];
+    shear_x = d[axes.x] * shear_z;
+    shear_y = d[axes.y] * shear_z;
+    origin_x = r.origin[axes.x];
+    origin_y = r.origin[axes.y];
+    origin_z = r.origin[axes.z];
+    hit = found;
+  }
+
+  /// Puts the block behind the current one on the stack, if there is one and the ray still needs
+  /// it: no branch to guess.
+  void push_next_block(std::uint32_t next_lines) {
+    stack.child[stack.top] = current + next_lines;
+    stack.t_near[stack.top] = t_near;
+    stack.t_far[stack.top] = t_far;
+    stack.top += next_lines != 0 && t_near <= hit.t ? 1 : 0;
+  }
+
+  /// Takes the nearest cell. What is behind the hit was dropped when that was met.
+  void pop() {
+    const int top = --stack.top;
+    current = stack.child[top];
+    t_near = stack.t_near[top];
+    t_far = stack.t_far[top];
+  }
+
+  /// Of two primitives at the same distance the lower number wins, whatever was tested first.
+  void accept(float t, std::uint32_t primitive, float u, float v, const KdView& view,
+              VisibilityMask mask) {
+    const bool is_nearer = t < hit.t || (t == hit.t && hit.is_hit() && primitive < hit.primitive);
+    if (t > 0.0f && is_nearer && view.is_visible(primitive, mask)) hit = {t, primitive, u, v};
+  }
+
+  /// Tests a solid. Errors: none.
+  void test_solid(std::uint32_t primitive, const KdView& view, VisibilityMask mask);
+};
+
+/// Lanes of a packet whose directions have the same longest component.
+struct ShearGroup {
+  ShearAxes axes;
+  std::uint32_t lanes = 0;
+};
+
+inline constexpr int kPairLanes = 2 * kPacketLanes;
+inline constexpr std::uint32_t kAllLanes = (1u << kPacketLanes) - 1u;  ///< Of one packet.
+
+/// What the rays of a packet or of two have met, as HitPacket has it.
+template <int kLanes>
+struct alignas(64) HitLanes {
+  float t[kLanes], u[kLanes], v[kLanes];
+  std::uint32_t primitive[kLanes];
+};
+
+/// Sixteen rays under way together, or the thirty-two of two packets.
+template <int kWidth>
+struct alignas(64) PacketState {
+  static constexpr int kLanes = kWidth;
+
+  float origin[3][kLanes];
+  float direction[3][kLanes];
+  float shear_x[kLanes], shear_y[kLanes], shear_z[kLanes];
+  HitLanes<kLanes> hits;  ///< hits.t shrinks; lanes that are done or not active have −infinity.
+  RayTube tube;
+  ShearGroup groups[3];
+  int group_count = 0;
+  std::uint32_t active = 0;
+  std::uint32_t met = 0;    ///< Of any hit: lanes that are done.
+  float farthest = 0.0f;    ///< Largest hits.t.
+  std::uint32_t apart = 0;  ///< Lanes that are better traced apart from the rest.
+  bool has_line = false;
+  // If so, all rays are within (half_x + spread_x·|z|, …) of one line, z from its origin along
+  // axes.z.
+  ShearAxes axes;
+  float line_x = 0.0f, line_y = 0.0f, line_z = 0.0f;
+  float line_shear_x = 0.0f, line_shear_y = 0.0f;
+  float half_x = 0.0f, half_y = 0.0f, half_z = 0.0f;
+  float spread_x = 0.0f, spread_y = 0.0f;
+  float longest_z = 0.0f;  ///< Largest |direction| along axes.z.
+  bool is_z_positive = true;
+  bool common_origin = false;
+  bool is_whole = true;               ///< All active lanes of a packet, not a part of them.
+  std::size_t index = 0;              ///< Of the packet, or the first of two.
+  int budget = 0;                     ///< Work left before the rays go on alone.
+  KdChild current = kDoneChild;       ///< The cell the packet is in.
+  float t_near = 0.0f, t_far = 0.0f;  ///< Where it is in there.
+  TraversalStack stack;
+
+  /// Whether all was visited before the budget ran out.
+  bool is_complete() const { return budget >= 0; }
+  void stop() { current = kDoneChild; }
+  /// Whether `apart` divides the active lanes.
+  bool is_parted() const { return apart != 0 && apart != active; }
+
+  /// Puts the block behind the current one on the stack, if there is one and a ray still needs it:
+  /// no branch to guess.
+  void push_next_block(std::uint32_t next_lines) {
+    stack.child[stack.top] = current + next_lines;
+    stack.t_near[stack.top] = t_near;
+    stack.t_far[stack.top] = t_far;
+    stack.top += next_lines != 0 && t_near <= farthest ? 1 : 0;
+  }
+
+  /// Takes the nearest cell. What is behind all hits was dropped when they were met.
+  void pop() {
+    const int top = --stack.top;
+    current = stack.child[top];
+    t_near = stack.t_near[top];
+    t_far = stack.t_far[top];
+  }
+};
+
+}  // namespace abbe

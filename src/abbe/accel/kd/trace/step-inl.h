@@ -1,0 +1,283 @@
+/// One step down the tree: which of a wide node's eight children a tube meets, in what order.
+/// Compiled once for each instruction set level.
+
+#if defined(ABBE_ACCEL_KD_TRACE_STEP_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ABBE_ACCEL_KD_TRACE_STEP_INL_H_
+#undef ABBE_ACCEL_KD_TRACE_STEP_INL_H_
+#else
+#define ABBE_ACCEL_KD_TRACE_STEP_INL_H_
+#endif
+
+#include <hwy/cache_control.h>
+#include <hwy/highway.h>
+
+#include "abbe/accel/kd/trace/lanes-inl.h"
+#include "abbe/accel/kd/trace/order.h"
+#include "abbe/accel/kd/trace/state.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace abbe {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_MAX_BYTES >= 32
+
+// Constants of the step for each child: shift of its plane's axis, its side, its plane.
+struct StepConstants {
+  alignas(32) std::uint32_t shift1[8] = {4, 4, 4, 4, 8, 8, 8, 8};
+  alignas(32) std::uint32_t shift2[8] = {12, 12, 16, 16, 20, 20, 24, 24};
+  alignas(32) std::uint32_t shift_plane[8] = {0, 4, 8, 12, 16, 20, 24, 28};
+  alignas(32) std::uint32_t side0[8] = {0, 0, 0, 0, 4, 4, 4, 4};
+  alignas(32) std::uint32_t side1[8] = {0, 0, 4, 4, 0, 0, 4, 4};
+  alignas(32) std::uint32_t side2[8] = {0, 4, 0, 4, 0, 4, 0, 4};
+  alignas(32) std::uint32_t plane1[8] = {1, 1, 1, 1, 2, 2, 2, 2};
+  alignas(32) std::uint32_t plane2[8] = {3, 3, 4, 4, 5, 5, 6, 6};
+};
+inline constexpr StepConstants kStep;
+
+using StepF = hn::FixedTag<float, 8>;
+using StepU = hn::FixedTag<std::uint32_t, 8>;
+using StepI = hn::FixedTag<std::int32_t, 8>;
+
+// Eight lanes of a table of eight; the hardware reads three bits of an index.
+template <class V, class VI>
+HWY_INLINE V Pick(V table, VI index) {
+#if HWY_IS_DEBUG_BUILD
+  index = hn::And(index, hn::Set(StepU(), 7u));
+#endif
+  return hn::TableLookupLanes(table, hn::IndicesFromVec(hn::DFromV<V>(), index));
+}
+
+HWY_INLINE void PushChildren(const WideNode& node, const RayTube& tube, float t_near, float t_far,
+                             float farthest, TraversalStack& stack) {
+  const StepF d;
+  const StepU du;
+  const auto planes = hn::Load(d, node.planes);  // And the axes in the last lane, as a float.
+  const auto axes = hn::Set(du, node.axes);
+  const auto origins = hn::Load(d, tube.origin);
+  const auto reciprocals = hn::Load(d, tube.reciprocal);
+  const auto least = hn::Set(d, -kInfinity);
+  const auto most = hn::Set(d, kInfinity);
+
+  // The axis of a plane has bit 2 clear; with the side in that place it is an index to the tube.
+  const auto side0 = hn::Load(du, kStep.side0);
+  const auto side1 = hn::Load(du, kStep.side1);
+  const auto side2 = hn::Load(du, kStep.side2);
+  const auto key0 = hn::Or(axes, side0);
+  const auto key1 = hn::Or(hn::Shr(axes, hn::Load(du, kStep.shift1)), side1);
+  const auto key2 = hn::Or(hn::Shr(axes, hn::Load(du, kStep.shift2)), side2);
+  const auto r0 = Pick(reciprocals, key0);
+  const auto r1 = Pick(reciprocals, key1);
+  const auto r2 = Pick(reciprocals, key2);
+  const auto plane0 = hn::Set(d, node.planes[0]);
+  const auto plane1 = Pick(planes, hn::Load(du, kStep.plane1));
+  const auto plane2 = Pick(planes, hn::Load(du, kStep.plane2));
+  const auto t0 = hn::Mul(hn::Sub(plane0, Pick(origins, key0)), r0);
+  const auto t1 = hn::Mul(hn::Sub(plane1, Pick(origins, key1)), r1);
+  const auto t2 = hn::Mul(hn::Sub(plane2, Pick(origins, key2)), r2);
+  // The half-line begins at t where the reciprocal is negative below a plane, positive above it.
+  const auto begins0 = hn::Xor(r0, hn::BitCast(d, hn::ShiftLeft<29>(side0)));
+  const auto begins1 = hn::Xor(r1, hn::BitCast(d, hn::ShiftLeft<29>(side1)));
+  const auto begins2 = hn::Xor(r2, hn::BitCast(d, hn::ShiftLeft<29>(side2)));
+  auto enter = hn::Max(hn::IfNegativeThenElse(begins0, t0, least),
+                       hn::IfNegativeThenElse(begins1, t1, least));
+  auto leave =
+      hn::Min(hn::IfNegativeThenElse(begins0, most, t0), hn::IfNegativeThenElse(begins1, most, t1));
+  enter = hn::Max(enter, hn::Max(hn::IfNegativeThenElse(begins2, t2, least), hn::Set(d, t_near)));
+  leave = hn::Min(leave, hn::Min(hn::IfNegativeThenElse(begins2, most, t2), hn::Set(d, t_far)));
+
+  // The side of the origin comes first: a ray that meets both sides starts there.
+  const auto plane_key = hn::And(hn::Shr(axes, hn::Load(du, kStep.shift_plane)), hn::Set(du, 3u));
+  const auto is_flipped = hn::Lt(planes, Pick(origins, plane_key));
+  std::uint8_t flips = 0;
+  hn::StoreMaskBits(d, is_flipped, &flips);
+  const hn::FixedTag<std::uint8_t, 8> d8;
+  const auto order = hn::PromoteTo(du, hn::LoadU(d8, kChildOrder.order[flips & 127]));
+
+  const auto child = hn::Load(du, node.children);
+  const auto is_met = hn::And(hn::Le(enter, hn::Min(leave, hn::Set(d, farthest))),
+                              hn::RebindMask(d, hn::Ne(child, hn::Zero(du))));
+  // Which children come onto the stack, in order: one vector of numbers is compressed instead of
+  // three of values. In a register, for compressing stores are slow on some processors.
+  const auto met = hn::VecFromMask(du, hn::RebindMask(du, is_met));
+  const auto pushed = hn::Compress(order, hn::MaskFromVec(Pick(met, order)));
+  const int top = stack.top;
+  hn::StoreU(Pick(child, pushed), du, stack.child + top);
+  hn::StoreU(Pick(enter, pushed), d, stack.t_near + top);
+  hn::StoreU(Pick(leave, pushed), d, stack.t_far + top);
+  stack.top = top + static_cast<int>(hn::CountTrue(d, is_met));
+}
+
+#else
+
+HWY_INLINE void PushChildren(const WideNode& node, const RayTube& tube, float t_near, float t_far,
+                             float farthest, TraversalStack& stack) {
+  float enter[2][7], leave[2][7];
+  unsigned flips = 0;
+  for (int p = 0; p < 7; ++p) {
+    const unsigned axis = (node.axes >> (4 * p)) & 3u;
+    const float low_r = tube.reciprocal[axis];
+    const float high_r = tube.reciprocal[4 + axis];
+    const float below = (node.planes[p] - tube.origin[axis]) * low_r;
+    const float above = (node.planes[p] - tube.origin[4 + axis]) * high_r;
+    enter[0][p] = low_r > 0.0f ? -kInfinity : below;
+    leave[0][p] = low_r > 0.0f ? below : kInfinity;
+    enter[1][p] = high_r > 0.0f ? above : -kInfinity;
+    leave[1][p] = high_r > 0.0f ? kInfinity : above;
+    flips |= (node.planes[p] < tube.origin[axis] ? 1u : 0u) << p;
+  }
+  int top = stack.top;
+  for (int i = 0; i < 8; ++i) {
+    const unsigned c = kChildOrder.order[flips][i];
+    const KdChild child = node.children[c];
+    if (child == kEmptyChild) continue;
+    const unsigned s0 = c >> 2, s1 = c >> 1 & 1u, s2 = c & 1u;
+    const unsigned p1 = 1 + s0, p2 = 3 + (c >> 1);
+    float in = enter[s0][0] > enter[s1][p1] ? enter[s0][0] : enter[s1][p1];
+    if (enter[s2][p2] > in) in = enter[s2][p2];
+    if (t_near > in) in = t_near;
+    float out = leave[s0][0] < leave[s1][p1] ? leave[s0][0] : leave[s1][p1];
+    if (leave[s2][p2] < out) out = leave[s2][p2];
+    if (t_far < out) out = t_far;
+    if (in <= out && in <= farthest) {
+      stack.child[top] = child;
+      stack.t_near[top] = in;
+      stack.t_far[top] = out;
+      ++top;
+    }
+  }
+  stack.top = top;
+}
+
+#endif
+
+#if HWY_MAX_BYTES >= 32
+
+// make_tube(), the same operations on all axes and both sides at once.
+struct TubeMaker {
+  alignas(32) float opposite[8];  // The sides as seen by the lower and the upper bound.
+
+  explicit TubeMaker(const Box3f& bounds) {
+    for (int k = 0; k < 3; ++k) {
+      opposite[k] = bounds.high[k];
+      opposite[4 + k] = bounds.low[k];
+    }
+    opposite[3] = opposite[7] = 0.0f;
+  }
+
+  HWY_INLINE void make(const Ray& ray, RayTube& tube) const {
+    const StepF d;
+    const hn::FixedTag<float, 4> d4;
+    const auto low = hn::LoadU(d4, &ray.origin.x);  // And t_max.
+    const auto last = hn::LoadU(d4, &ray.t_max);    // t_max and the direction.
+    const auto turned = hn::Shuffle0321(last);      // The direction and t_max.
+    make(hn::Combine(d, low, low), hn::Combine(d, turned, turned), ray.t_max, tube);
+  }
+
+  // Around many rays, from the bounds of their x, y, z; the fourth is not read. Returns the largest
+  // distance along any axis from an origin to the scene.
+  HWY_INLINE float make(const RowBounds& origins, const RowBounds& directions, float t_max,
+                        RayTube& tube) const {
+    const StepF d;
+    return make(hn::Load(d, origins.low), hn::Load(d, directions.low), t_max, tube);
+  }
+
+ private:
+  HWY_INLINE float make(hn::Vec<StepF> both_o, hn::Vec<StepF> both_d, float t_max,
+                        RayTube& tube) const {
+    const StepF d;
+    const StepU du;
+    alignas(32) static constexpr std::uint32_t kAxes[8] = {~0u, ~0u, ~0u, 0, ~0u, ~0u, ~0u, 0};
+    alignas(32) static constexpr std::uint32_t kUpper[8] = {
+        0, 0, 0, 0, 0x80000000u, 0x80000000u, 0x80000000u, 0x80000000u};
+    const auto is_axis = hn::BitCast(d, hn::Load(du, kAxes));
+    const auto upper = hn::BitCast(d, hn::Load(du, kUpper));
+    const auto origin = hn::And(both_o, is_axis);
+    const auto direction = hn::And(both_d, is_axis);
+    const auto sides = hn::Load(d, opposite);
+    const auto size = hn::Abs(direction);
+    const auto tiny =
+        hn::Max(hn::Mul(hn::MaxOfLanes(d, size), hn::Set(d, 1e-18f)), hn::Set(d, 1e-37f));
+    const auto reach = hn::MaxOfLanes(d, hn::Abs(hn::Sub(sides, origin)));
+    const auto width = hn::Max(hn::Mul(reach, hn::Set(d, kTubeSlack)),
+                               hn::Mul(hn::Set(d, 0x1p-23f), hn::Abs(origin)));
+    // The lower bound moves down, the upper up.
+    const auto down = hn::Xor(upper, hn::Set(d, -0.0f));
+    const auto wide = hn::Add(origin, hn::Xor(width, down));
+    const auto safe = hn::IfThenElse(hn::Lt(size, tiny), hn::Xor(tiny, down), direction);
+    const auto exact = hn::Div(hn::Set(d, 1.0f), safe);
+    const auto begins = hn::Xor(exact, upper);
+    const auto reciprocal =
+        hn::Mul(exact, hn::IfNegativeThenElse(begins, hn::Set(d, 1.0f - kTubeSlack),
+                                              hn::Set(d, 1.0f + kTubeSlack)));
+    hn::Store(wide, d, tube.origin);
+    hn::Store(reciprocal, d, tube.reciprocal);
+    const auto t = hn::Mul(hn::Sub(sides, wide), reciprocal);
+    const auto least = hn::Set(d, -kInfinity);
+    const auto most = hn::Set(d, kInfinity);
+    const auto counts = hn::MaskFromVec(is_axis);
+    const auto enter = hn::IfThenElse(counts, hn::IfNegativeThenElse(begins, t, least), least);
+    const auto leave = hn::IfThenElse(counts, hn::IfNegativeThenElse(begins, most, t), most);
+    tube.t_near = hn::GetLane(hn::Max(hn::MaxOfLanes(d, enter), hn::Zero(d)));
+    tube.t_far = hn::GetLane(hn::Min(hn::MinOfLanes(d, leave), hn::Set(d, t_max)));
+    return hn::GetLane(reach);
+  }
+};
+
+#else
+
+struct TubeMaker {
+  const Box3f& bounds;
+  explicit TubeMaker(const Box3f& b) : bounds(b) {}
+  HWY_INLINE void make(const Ray& ray, RayTube& tube) const { tube = make_tube(ray, bounds); }
+  HWY_INLINE float make(const RowBounds& origins, const RowBounds& directions, float t_max,
+                        RayTube& tube) const {
+    float reach = 0.0f, longest = 0.0f;
+    for (int k = 0; k < 3; ++k) {
+      reach = std::max({reach, std::abs(bounds.low[k] - origins.high[k]),
+                        std::abs(bounds.high[k] - origins.low[k])});
+      longest = std::max({longest, std::abs(directions.low[k]), std::abs(directions.high[k])});
+    }
+    for (int k = 0; k < 3; ++k) {
+      set_tube_axis(tube, k, origins.low[k], origins.high[k], directions.low[k], directions.high[k],
+                    reach, longest);
+    }
+    clip_tube(tube, bounds, t_max);
+    return reach;
+  }
+};
+
+#endif
+
+HWY_INLINE void PrefetchBlock(const KdView& view, KdChild leaf) {
+  const char* const block = reinterpret_cast<const char*>(&view.block(leaf));
+  for (std::size_t i = 0; i < view.lines_ahead; ++i) hwy::Prefetch(block + 64 * i);
+}
+
+// A node, or the first block of a leaf.
+HWY_INLINE void PrefetchAll(const KdView& view, KdChild cell) {
+  if (cell < kLeafBit) {
+    hwy::Prefetch(view.nodes + cell);
+  } else {
+    PrefetchBlock(view, cell);
+  }
+}
+
+// Does one thing for each of 0 to count − 1, and kLag calls later what follows from it: its outcome
+// is known by then, and the memory that what follows asks for is asked for bit by bit, as fast as
+// it comes. All at the end of a round, the requests would queue up, and the processor behind them.
+// Both must be inlined: they are too small to be called.
+template <std::size_t kLag, class First, class Then>
+HWY_INLINE void ForEachStaggered(std::size_t count, const First& first, const Then& then) {
+  for (std::size_t i = 0; i < count; ++i) {
+    first(i);
+    if (i >= kLag) then(i - kLag);
+  }
+  for (std::size_t i = count > kLag ? count - kLag : 0; i < count; ++i) then(i);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace abbe
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,74 @@
+/// The k-d tree: a surface-area-heuristic tree over triangles, ellipsoids and convex polyhedra.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "abbe/accel/query.h"
+#include "abbe/accel/shapes.h"
+
+namespace abbe {
+
+/// How a tree is built. The defaults are measured; see tests/bench. Any values give the same hits.
+struct KdTreeConfig {
+  float traversal_cost = 1.0f;  ///< SAH cost of visiting a node.
+  float block_cost = 1.5f;      ///< SAH cost of testing a block of triangles, or one solid.
+  /// Triangles that a block is taken to hold, at most 16; 0 chooses 14 where triangles share their
+  /// vertices, of which a block has room for sixteen, and else 16.
+  std::uint32_t block_size = 0;
+  float empty_bonus = 0.15f;     ///< Share of cost forgiven when a split cuts off empty space.
+  std::uint32_t leaf_size = 1;   ///< Cells with so many primitives or fewer are never split.
+  std::uint32_t max_depth = 64;  ///< Deepest leaf, at most 96.
+  std::uint32_t bins = 64;       ///< Planes tried per axis in large cells, at most 256.
+  /// Cells with more references try planes at the borders of bins: within 1 % of the best split, in
+  /// a fraction of the time. Smaller ones try the sides of every primitive.
+  std::uint32_t exact_limit = 256;
+  /// References per primitive that splits may make, or a million if that is more. A cell shares
+  /// what is left with its parts, so input that cannot be separated takes bounded memory and linear
+  /// time.
+  float max_references = 4.0f;
+};
+
+/// A tree over a copy of the shapes' data; it does not refer to the spans after build().
+class KdTree {
+ public:
+  /// Builds in time O(n log n), linear in degenerate input, in parallel.
+  /// Domain: every position finite, every triangle of non-zero area (drop others before), fewer
+  ///         than 2^31 primitives; any of the spans may be empty.
+  static KdTree build(const ShapeSpans& shapes, const KdTreeConfig& config = {});
+
+  KdTree();
+  KdTree(KdTree&&) noexcept;
+  KdTree& operator=(KdTree&&) noexcept;
+  ~KdTree();
+
+  /// The nearest hit of each ray among primitives that share a bit with `mask`.
+  /// Shape:  rays.size() == hits.size().
+  /// Domain: finite origins, finite non-zero directions; components may be zero or denormal.
+  void closest_hits(std::span<const Ray> rays, VisibilityMask mask, std::span<Hit> hits) const;
+  void closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+                    std::span<HitPacket> hits) const;
+
+  /// Whether each ray meets anything that shares a bit with `mask`: 1 or 0 per ray, one bit per
+  /// lane of a packet.
+  void any_hits(std::span<const Ray> rays, VisibilityMask mask,
+                std::span<std::uint8_t> occluded) const;
+  void any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+                std::span<std::uint32_t> occluded) const;
+
+  /// Closest hit of one ray that also counts the work done.
+  Hit closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const;
+  /// Whether one ray meets anything, likewise.
+  bool any_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const;
+
+  Box3f bounds() const;
+  std::size_t bytes() const;  ///< Memory held by the tree, its leaves and its shapes.
+
+ private:
+  struct Data;
+  std::unique_ptr<const Data> data_;
+};
+
+}  // namespace abbe

@@ -1,0 +1,60 @@
+/// What an accelerator is built over: spans of triangles, ellipsoids and convex polyhedra.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "abbe/math/ray.h"
+#include "abbe/math/vec.h"
+
+namespace abbe {
+
+/// Indices of three positions, counter-clockwise seen from outside.
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// The image of the unit sphere under an affine map.
+struct Ellipsoid {
+  /// Affine inverse of that map: columns x, y, z, translation. World point p is on the surface
+  /// where |linear·p + offset| = 1.
+  Mat3d world_to_unit_linear{1.0};
+  Vec3d world_to_unit_offset{0.0};
+  Box3f bounds;  ///< World bounds, rounded outwards.
+};
+
+/// The half-space normal·x ≤ distance.
+struct Plane {
+  Vec3d normal{0.0, 0.0, 1.0};  ///< Unit length, pointing out of the solid.
+  double distance = 0.0;        ///< Metres.
+};
+
+/// A bounded intersection of half-spaces: planes [first_plane, first_plane + plane_count).
+struct ConvexPolyhedron {
+  std::uint32_t first_plane = 0;
+  std::uint32_t plane_count = 0;
+  Box3f bounds;  ///< World bounds, rounded outwards.
+};
+
+/// Which rays see a primitive: a ray and a primitive meet only if their masks share a bit.
+using VisibilityMask = std::uint8_t;
+inline constexpr VisibilityMask kOpaqueBit = 1;       ///< Stops light.
+inline constexpr VisibilityMask kTransparentBit = 2;  ///< Light may pass: glass, alpha.
+inline constexpr VisibilityMask kAllBits = 0xff;
+
+/// All primitives of a world. A primitive's number counts triangles first, then ellipsoids, then
+/// polyhedra. The spans are read during the build only.
+struct ShapeSpans {
+  std::span<const Vec3f> positions = {};
+  std::span<const Triangle> triangles = {};
+  std::span<const Ellipsoid> ellipsoids = {};
+  std::span<const ConvexPolyhedron> polyhedra = {};
+  std::span<const Plane> planes = {};
+  std::span<const VisibilityMask> masks = {};  ///< One per primitive; empty means kAllBits for all.
+
+  std::size_t primitive_count() const {
+    return triangles.size() + ellipsoids.size() + polyhedra.size();
+  }
+};
+
+}  // namespace abbe

@@ -1,0 +1,21 @@
+/// The commands of the program. Each adds its options to a CLI11 subcommand, whose callback runs
+/// it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "abbe/cli/cli.h"
+
+namespace abbe {
+
+/// Every function adds one subcommand; when it has run, `code` is its exit code.
+void add_render_command(CLI::App& program, ExitCode& code);
+void add_compare_command(CLI::App& program, ExitCode& code);
+void add_diff_command(CLI::App& program, ExitCode& code);
+void add_display_command(CLI::App& program, ExitCode& code);
+void add_golden_command(CLI::App& program, ExitCode& code);
+void add_inspect_command(CLI::App& program, ExitCode& code);
+void add_probe_command(CLI::App& program, ExitCode& code);
+void add_spectra_command(CLI::App& program, ExitCode& code);
+
+}  // namespace abbe

@@ -1,0 +1,180 @@
+/// `abbe render`: a scene in, images out.
+
+#include "abbe/cli/render_command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "abbe/base/error.h"
+#include "abbe/base/file.h"
+#include "abbe/cli/commands.h"
+#include "abbe/cli/console.h"
+#include "abbe/cli/interrupt.h"
+#include "abbe/cli/parse.h"
+#include "abbe/cli/prepare.h"
+#include "abbe/cli/progress.h"
+#include "abbe/cli/provenance.h"
+#include "abbe/cli/stats.h"
+#include "abbe/image/raster/raster.h"
+#include "abbe/render/render.h"
+
+namespace abbe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Everything that can be found wrong without reading the scene.
+void check_arguments(RenderArguments& arguments) {
+  RenderSettings& settings = arguments.scene.settings;
+  if (!arguments.bands.empty()) settings.bands = parse_bands(arguments.bands);
+  if (!arguments.crop.empty()) settings.crop = parse_crop(arguments.crop);
+  if (!arguments.aovs.empty()) settings.aovs = parse_names(arguments.aovs);
+  if (!arguments.freeze.empty()) settings.frozen = parse_causes(parse_names(arguments.freeze));
+  resolve_settings(arguments.scene);
+  resolve_display(arguments.display);
+  check_exr_options(arguments.exr);
+  check_outputs(arguments.output_files());
+  if (!arguments.stats_file.empty()) check_writable(arguments.stats_file);
+  if (arguments.has_output(OutputKind::Raster)) check_display(arguments.display.options);
+  if (arguments.color_space != kRenderSpace) {
+    check_color_space(arguments.color_space, arguments.display.options);
+  }
+}
+
+// Display images first: they are made of the rendered space, which the EXR may leave.
+void write_images(const RenderArguments& arguments, Image& image) {
+  if (arguments.has_output(OutputKind::Raster)) {
+    const Image shown = to_display(image, arguments.display.options);
+    for (const std::string& file : arguments.outputs) {
+      if (output_kind(file) == OutputKind::Raster)
+        write_raster(file, shown, arguments.display.raster);
+    }
+  }
+  if (!arguments.has_output(OutputKind::Exr)) return;
+  if (arguments.color_space != kRenderSpace) {
+    convert_colors(image, kRenderSpace, arguments.color_space, arguments.display.options);
+  }
+  ExrOptions options = arguments.exr;
+  options.chromaticities = chromaticities_of(arguments.color_space);
+  for (const std::string& file : arguments.outputs) {
+    if (output_kind(file) == OutputKind::Exr) write_exr(file, image, options);
+  }
+}
+
+std::string summary(const RenderArguments& arguments, const RenderResult& result,
+                    const RenderTimes& times) {
+  std::string text = fmt::format("{} in {:.1f} s, {:.3g} million rays/s",
+                                 result.complete ? "rendered" : "interrupted", times.total_seconds,
+                                 rays_per_second(result.stats, times.render_seconds) * 1e-6);
+  const char* separator = ": ";
+  for (const std::string& file : arguments.outputs) {
+    text += separator + file;
+    separator = ", ";
+  }
+  return text;
+}
+
+}  // namespace
+
+ExitCode run_render(RenderArguments& arguments) {
+  const Clock::time_point start = Clock::now();
+  check_arguments(arguments);
+  const Console console(arguments.quiet);
+  const ThreadLimit threads(arguments.scene.threads);
+  const RenderSettings& settings = arguments.scene.settings;
+  RenderTimes times;
+
+  Notes notes;
+  const Catalogue catalogue = Catalogue::standard();
+  const Standards standards = read_standards(catalogue);
+  // What is wrong is said before minutes of loading.
+  if (arguments.development.white != "scene") {
+    (void)development_options(arguments.development, catalogue, standards, nullptr);
+  }
+  const PreparedScene prepared = prepare_scene(arguments.scene, catalogue, notes);
+  settle_size(arguments.scene, prepared.chosen_camera());
+  times.load_seconds = seconds_since(start);
+
+  const DevelopmentOptions development =
+      development_options(arguments.development, catalogue, standards, &prepared);
+  WorldOptions options = world_options(settings);
+  options.development = development;
+  const World world = make_world(prepared.scene, options, standards.observer, standards.d65, notes);
+  times.build_seconds = world.build_seconds;
+
+  const InterruptGuard interrupt;
+  console.show(notes);
+  ProgressLine progress(console.is_live());
+  RenderResult result = render(
+      world, prepared.chosen_camera(), settings,
+      [&progress](double fraction_done) { progress.update(fraction_done); }, &interrupt.flag());
+  progress.wipe();
+  times.render_seconds = result.seconds;
+  if (result.dropped_samples > 0) {
+    console.say(fmt::format("warning: {} camera samples were not finite and were left out",
+                            result.dropped_samples));
+  }
+
+  const Clock::time_point write_start = Clock::now();
+  result.image.attributes = provenance(prepared, settings, arguments.color_space, result.complete);
+  result.image.attributes.merge(development_attributes(development, standards));
+  result.image.id_names = id_names(prepared.scene, result.image);
+  write_images(arguments, result.image);
+  times.write_seconds = seconds_since(write_start);
+  times.total_seconds = seconds_since(start);
+  if (!arguments.stats_file.empty()) {
+    const auto threads_used = static_cast<int>(oneapi::tbb::global_control::active_value(
+        oneapi::tbb::global_control::max_allowed_parallelism));
+    write_text(arguments.stats_file, stats_json(world, result, times, threads_used).dump(2) + "\n");
+  }
+  console.say(summary(arguments, result, times));
+  return result.complete ? ExitCode::Done : ExitCode::Interrupted;
+}
+
+void add_render_options(CLI::App& command, RenderArguments& arguments) {
+  RenderSettings& settings = arguments.scene.settings;
+  add_number(command, "--spp", settings.samples_per_pixel, "N",
+             fmt::format("camera samples per pixel (default: {})", settings.samples_per_pixel));
+  add_shown(command, "--bands", arguments.bands, "A:B:STEP",
+            "spectral channels beside RGB: bands [A + i STEP, A + (i+1) STEP), in nm");
+  add_shown(command, "--crop", arguments.crop, "X0,Y0,X1,Y1",
+            "render only these pixels, half-open");
+  add_shown(command, "--aov", arguments.aovs, "LIST",
+            fmt::format("extra channels: {}", fmt::join(aov_names(), ", ")));
+  add_shown(command, "--freeze", arguments.freeze, "LIST",
+            fmt::format("causes of spectral effects to hold as the mode rgb has them: {}, or all",
+                        fmt::join(cause_names(), ", ")));
+  add_number(command, "--threads", arguments.scene.threads, "N",
+             "threads to use (default: all cores)");
+  add_shown(command, "--colorspace", arguments.color_space, "NAME",
+            fmt::format("OCIO colour space of the EXR's RGB (default: {})", kRenderSpace));
+  add_development_options(command, arguments.development);
+  add_exr_options(command, arguments.exr);
+  add_display_options(command, arguments.display);
+  command.add_flag("--quiet", arguments.quiet, "say nothing but errors");
+}
+
+void add_render_command(CLI::App& program, ExitCode& code) {
+  CLI::App& command = *program.add_subcommand("render", "Render a scene to images");
+  const auto arguments = std::make_shared<RenderArguments>();
+  add_scene_options(command, arguments->scene);
+  add_shown(command, "-o,--output", arguments->outputs, "FILE",
+            "image to write, .exr scene-linear or .png, .jpg, .tif through OCIO; repeatable")
+      ->allow_extra_args(false)
+      ->required();
+  add_render_options(command, *arguments);
+  add_shown(command, "--stats", arguments->stats_file, "FILE.json",
+            "write times, counts of rays and memory");
+  command.callback([arguments, &code] { code = run_render(*arguments); });
+}
+
+}  // namespace abbe

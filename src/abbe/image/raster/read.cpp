@@ -1,0 +1,123 @@
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <memory>
+
+#include "abbe/base/error.h"
+#include "abbe/image/raster/raster.h"
+#include "abbe/image/raster/texture_structure.h"
+
+namespace abbe {
+namespace {
+
+constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
+constexpr std::int64_t kMostValues = std::int64_t{1} << 31;
+
+// Libraries report several lines; the first says what happened.
+std::string first_line(const std::string& text) {
+  return text.substr(0, text.find('\n'));
+}
+
+bool is_bounded(const OIIO::ImageSpec& spec) {
+  const std::int64_t pixels = std::int64_t{spec.width} * spec.height;
+  return spec.width > 0 && spec.height > 0 && spec.depth <= 1 && spec.nchannels > 0 &&
+         pixels <= kMostPixels && pixels * spec.nchannels <= kMostValues;
+}
+
+std::string size_of(const OIIO::ImageSpec& spec) {
+  return std::to_string(spec.width) + "x" + std::to_string(spec.height) + " pixels of " +
+         std::to_string(spec.nchannels) + " channels";
+}
+
+// One to four channels as R, G, B, A: grey is repeated, missing alpha is 1.
+template <typename T>
+std::vector<T> as_rgba(const std::vector<T>& values, std::size_t channels, T opaque) {
+  if (channels == 4) return values;
+  const std::size_t pixels = values.size() / channels;
+  const bool is_grey = channels < 3;
+  const bool has_alpha = channels == 2;
+  std::vector<T> rgba(pixels * 4);
+  for (std::size_t p = 0; p < pixels; ++p) {
+    const T* in = values.data() + p * channels;
+    T* out = rgba.data() + p * 4;
+    out[0] = in[0];
+    out[1] = in[is_grey ? 0 : 1];
+    out[2] = in[is_grey ? 0 : 2];
+    out[3] = has_alpha ? in[1] : opaque;
+  }
+  return rgba;
+}
+
+}  // namespace
+
+DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::string& where) {
+  const auto reject = [&](const std::string& found) {
+    throw_input_error(where, found, "a PNG or JPEG image");
+  };
+  const std::string error = texture_structure_error(bytes);
+  if (!error.empty()) reject(error);
+  const std::string format = texture_format(bytes) == TextureFormat::Png ? "png" : "jpeg";
+
+  OIIO::Filesystem::IOMemReader memory(const_cast<std::uint8_t*>(bytes.data()), bytes.size());
+  OIIO::Filesystem::IOProxy* proxy = &memory;
+  OIIO::ImageSpec config;
+  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  // Alpha is coverage beside the colour in glTF; nothing may be multiplied into the colour.
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  const auto input = OIIO::ImageInput::create(format);
+  if (!input) reject("a build of OpenImageIO without " + format);
+  const auto decoding_failed = [&] {
+    const std::string reason = first_line(input->geterror());
+    reject("a broken " + format + (reason.empty() ? "" : ": " + reason));
+  };
+  OIIO::ImageSpec spec;
+  if (!input->open("texture." + format, spec, config)) decoding_failed();
+  if (!is_bounded(spec) || spec.nchannels > 4) reject(size_of(spec));
+
+  DecodedTexture texture;
+  texture.width = spec.width;
+  texture.height = spec.height;
+  const auto channels = static_cast<std::size_t>(spec.nchannels);
+  const std::size_t values = static_cast<std::size_t>(spec.width) * spec.height * channels;
+  const auto decode = [&](OIIO::TypeDesc type, auto opaque) {
+    std::vector<decltype(opaque)> decoded(values);
+    if (!input->read_image(0, 0, 0, spec.nchannels, type, decoded.data())) decoding_failed();
+    return as_rgba(decoded, channels, opaque);
+  };
+  if (spec.format == OIIO::TypeDesc::UINT8) {
+    texture.rgba8 = decode(OIIO::TypeDesc::UINT8, std::uint8_t{255});
+  } else {
+    texture.rgba_float = decode(OIIO::TypeDesc::FLOAT, 1.0f);
+  }
+  return texture;
+}
+
+Image read_raster(const std::filesystem::path& file) {
+  const auto reject = [&](const std::string& found) {
+    throw_input_error(file.string(), found, "an image that OpenImageIO reads");
+  };
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) {
+    reject(std::filesystem::exists(file, ignored) ? "something that is not a regular file"
+                                                  : "no such file");
+  }
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  const auto input = OIIO::ImageInput::open(file.string(), &config);
+  if (!input) reject(first_line(OIIO::geterror()));
+  const OIIO::ImageSpec& spec = input->spec();
+  if (!is_bounded(spec)) reject(size_of(spec));
+
+  Image image;
+  image.width = spec.width;
+  image.height = spec.height;
+  image.channels = spec.channelnames;
+  const std::size_t pixels = static_cast<std::size_t>(spec.width) * spec.height;
+  image.pixels.resize(pixels * image.channel_count());
+  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data())) {
+    reject(first_line(input->geterror()));
+  }
+  return image;
+}
+
+}  // namespace abbe

@@ -1,0 +1,144 @@
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <memory>
+
+#include "abbe/base/error.h"
+#include "abbe/base/file.h"
+#include "abbe/base/parallel.h"
+#include "abbe/image/raster/png_tags.h"
+#include "abbe/image/raster/raster.h"
+#include "abbe/math/sampling.h"
+
+namespace abbe {
+namespace {
+
+std::string format_of(const std::filesystem::path& file) {
+  std::string suffix = file.extension().string();
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (suffix == ".png") return "png";
+  if (suffix == ".jpg" || suffix == ".jpeg") return "jpeg";
+  if (suffix == ".tif" || suffix == ".tiff") return "tiff";
+  throw_output_error(file.string(), "suffix '" + suffix + "'", ".png, .jpg, .jpeg, .tif or .tiff");
+}
+
+// The sum of two uniform numbers, in (−1, 1); of a place in the full image, so that a crop has the
+// grain of the whole.
+float triangular_noise(const Vec2i& place, std::size_t channel) {
+  const std::uint32_t bits =
+      hash32(hash32(static_cast<std::uint32_t>(place.x), static_cast<std::uint32_t>(place.y)),
+             static_cast<std::uint32_t>(channel));
+  return unit_float(bits) - unit_float(hash32(bits ^ 0x5bd1e995u));
+}
+
+// The nearest code of `largest` + 1. NaN fails the comparison and becomes black.
+template <typename Code>
+Code code_of(float value, float noise) {
+  constexpr auto kLargest = static_cast<float>(std::numeric_limits<Code>::max());
+  const float scaled = value * kLargest + noise;
+  if (!(scaled > 0.0f)) return 0;
+  return static_cast<Code>(std::lround(std::min(scaled, kLargest)));
+}
+
+template <typename Code>
+std::vector<Code> codes_of(const Image& image, const std::array<std::size_t, 3>& rgb, bool dither) {
+  const auto width = static_cast<std::size_t>(image.width);
+  const auto height = static_cast<std::size_t>(image.height);
+  const std::size_t channels = image.channel_count();
+  std::vector<Code> codes(width * height * 3);
+  parallel_for(0, height, 16, [&](std::size_t y) {
+    for (std::size_t x = 0; x < width; ++x) {
+      const std::size_t p = y * width + x;
+      const Vec2i place = image.data_origin + Vec2i(static_cast<int>(x), static_cast<int>(y));
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float noise = dither ? triangular_noise(place, c) : 0.0f;
+        codes[p * 3 + c] = code_of<Code>(image.pixels[p * channels + rgb[c]], noise);
+      }
+    }
+  });
+  return codes;
+}
+
+std::array<std::size_t, 3> checked_rgb(const std::filesystem::path& file, const Image& image) {
+  const auto r = image.channel_index("R");
+  const auto g = image.channel_index("G");
+  const auto b = image.channel_index("B");
+  if (!r || !g || !b || image.width < 1 || image.height < 1) {
+    throw_output_error(file.string(), "an image without pixels or without channels R, G, B",
+                       "R, G, B");
+  }
+  return {*r, *g, *b};
+}
+
+std::string display_of(const Image& image) {
+  const auto display = image.attributes.find(kDisplayAttribute);
+  if (display == image.attributes.end()) return "sRGB - Display";
+  const auto* name = std::get_if<std::string>(&display->second);
+  return name != nullptr ? *name : "";
+}
+
+void tag_png(const std::filesystem::path& file, const std::string& display) {
+  const std::optional<PngTags> tags = png_tags_of_display(display);
+  if (!tags) return;
+  std::ifstream in(file, std::ios::binary);
+  const std::vector<char> read((std::istreambuf_iterator<char>(in)), {});
+  in.close();
+  const std::vector<std::uint8_t> tagged =
+      with_tags({reinterpret_cast<const std::uint8_t*>(read.data()), read.size()}, *tags);
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  out.write(reinterpret_cast<const char*>(tagged.data()),
+            static_cast<std::streamsize>(tagged.size()));
+  out.close();
+  if (!out) {
+    throw_output_error(file.string(), "a file that could not be written to its end",
+                       "a place with room for the image");
+  }
+}
+
+}  // namespace
+
+void write_raster(const std::filesystem::path& file, const Image& rgb_encoded,
+                  const RasterOptions& options) {
+  const std::string format = format_of(file);
+  const std::array<std::size_t, 3> rgb = checked_rgb(file, rgb_encoded);
+  const bool is_deep = options.bits == 16 && format != "jpeg";
+  std::vector<std::uint8_t> codes8;
+  std::vector<std::uint16_t> codes16;
+  is_deep ? void(codes16 = codes_of<std::uint16_t>(rgb_encoded, rgb, options.dither))
+          : void(codes8 = codes_of<std::uint8_t>(rgb_encoded, rgb, options.dither));
+  const OIIO::TypeDesc type = is_deep ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
+  const void* codes = is_deep ? static_cast<const void*>(codes16.data()) : codes8.data();
+
+  const std::string display = display_of(rgb_encoded);
+  OIIO::ImageSpec spec(rgb_encoded.width, rgb_encoded.height, 3, type);
+  if (display.starts_with("sRGB")) spec.attribute("oiio:ColorSpace", "sRGB");
+  if (format == "jpeg") {
+    spec.attribute("Compression", "jpeg:95");
+    // Fringes are a pixel or two wide: halved chroma would wash them out.
+    spec.attribute("jpeg:subsampling", "4:4:4");
+  }
+
+  // OpenImageIO would put the present time into a TIFF.
+  if (format == "tiff") spec.attribute("DateTime", "");
+
+  write_atomically(file, [&](const std::filesystem::path& temporary) {
+    const auto output = OIIO::ImageOutput::create(format);
+    const auto reject = [&](const std::string& reason) {
+      throw_output_error(file.string(), reason, "an image that can be written as " + format);
+    };
+    if (!output) reject(OIIO::geterror());
+    if (!output->open(temporary.string(), spec)) reject(output->geterror());
+    if (!output->write_image(type, codes)) reject(output->geterror());
+    if (!output->close()) reject(output->geterror());
+    if (format == "png") tag_png(temporary, display);
+  });
+}
+
+}  // namespace abbe

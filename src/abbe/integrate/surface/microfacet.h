@@ -1,0 +1,40 @@
+/// The GGX distribution of microfacets, glTF's model of rough surfaces.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "abbe/base/constants.h"
+#include "abbe/math/vec.h"
+#include "abbe/scene/scene.h"
+
+namespace abbe {
+
+/// Smith's masking of GGX for a direction at cosine `cos_theta`: the share of microfacets seen.
+/// Domain: cos_theta in (0, 1], alpha = roughness² > 0.
+inline float ggx_masking(float cos_theta, float alpha) {
+  const float cos2 = cos_theta * cos_theta;
+  const float tan2 = (1.0f - cos2) / cos2;
+  return 2.0f / (1.0f + std::sqrt(1.0f + alpha * alpha * tan2));
+}
+
+/// A microfacet normal among those visible from `view`, about the z axis.
+/// Domain: view of unit length with view.z > 0; u in [0, 1)².
+/// Source: Heitz, Sampling the GGX Distribution of Visible Normals, JCGT 7(4), 2018.
+inline Vec3f sample_visible_normal(const Vec3f& view, float alpha, const Vec2f& u) {
+  const Vec3f stretched = glm::normalize(Vec3f(alpha * view.x, alpha * view.y, view.z));
+  const float length2 = stretched.x * stretched.x + stretched.y * stretched.y;
+  const Vec3f t1 = length2 > 0.0f ? Vec3f(-stretched.y, stretched.x, 0.0f) / std::sqrt(length2)
+                                  : Vec3f(1.0f, 0.0f, 0.0f);
+  const Vec3f t2 = glm::cross(stretched, t1);
+  const float r = std::sqrt(u.x);
+  const float phi = 2.0f * static_cast<float>(kPi) * u.y;
+  const float p1 = r * std::cos(phi);
+  const float s = 0.5f * (1.0f + stretched.z);
+  const float p2 = (1.0f - s) * std::sqrt(1.0f - p1 * p1) + s * r * std::sin(phi);
+  const Vec3f on_disk =
+      p1 * t1 + p2 * t2 + std::sqrt(std::max(0.0f, 1.0f - p1 * p1 - p2 * p2)) * stretched;
+  return glm::normalize(Vec3f(alpha * on_disk.x, alpha * on_disk.y, std::max(1e-6f, on_disk.z)));
+}
+
+}  // namespace abbe

@@ -1,0 +1,166 @@
+#include "abbe/integrate/surface/point.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace abbe {
+namespace {
+
+Vec3f unit_or(const Vec3f& v, const Vec3f& otherwise) {
+  const float length2 = glm::dot(v, v);
+  return length2 > 0.0f && std::isfinite(length2) ? v / std::sqrt(length2) : otherwise;
+}
+
+float distance2(const Vec3f& a, const Vec3f& b) {
+  const Vec3f d = a - b;
+  return glm::dot(d, d);
+}
+
+void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hit,
+                   SurfacePoint& point) {
+  const Surface& surface = world.surfaces[frame.surface];
+  const Triangle& corners = frame.corners;
+  const Vec3f& a = frame.a;
+  const Vec3f& b = frame.b;
+  const Vec3f& c = frame.c;
+  const float u = hit.u;
+  const float v = hit.v;
+  const float w = 1.0f - u - v;
+  point.position = w * a + u * b + v * c;
+  point.normal = frame.normal;
+  // Seven roundings make the position, two more the point beside it; and the next test of this
+  // triangle works on corners relative to the ray, with an error that grows with their distance.
+  const Vec3f sums = glm::abs(w * a) + glm::abs(u * b) + glm::abs(v * c);
+  const float reach = std::sqrt(std::max(
+      {distance2(a, point.position), distance2(b, point.position), distance2(c, point.position)}));
+  point.offset_m =
+      rounding_bound(9) * glm::dot(sums, glm::abs(point.normal)) + rounding_bound(12) * reach;
+
+  const auto interpolate = [&](const auto& values, std::uint32_t offset) {
+    const std::uint32_t shift = offset - surface.first_vertex;
+    return w * values[corners[0] + shift] + u * values[corners[1] + shift] +
+           v * values[corners[2] + shift];
+  };
+  for (int set = 0; set < 2; ++set) {
+    if (!surface.uv_offset[set]) continue;
+    const std::uint32_t shift = *surface.uv_offset[set] - surface.first_vertex;
+    const Vec2f uv_a = world.uv[corners[0] + shift];
+    const Vec2f uv_b = world.uv[corners[1] + shift];
+    const Vec2f uv_c = world.uv[corners[2] + shift];
+    point.uv[set] = w * uv_a + u * uv_b + v * uv_c;
+    const Vec2f d1 = uv_b - uv_a;
+    const Vec2f d2 = uv_c - uv_a;
+    point.uv_per_m[set] = std::sqrt(std::abs(d1.x * d2.y - d1.y * d2.x) / frame.twice_area);
+  }
+  if (surface.colors_offset) {
+    point.color_rec709 = interpolate(world.colors_rec709, *surface.colors_offset);
+  }
+  point.shading_normal = point.normal;
+  if (surface.normals_offset) {
+    const Vec3f normal = interpolate(world.normals, *surface.normals_offset);
+    point.shading_normal = unit_or(normal, point.normal);
+    // Modellers' normals decide which side is meant only for shading; the winding decides outside.
+    if (glm::dot(point.shading_normal, point.normal) < 0.0f) {
+      point.shading_normal = -point.shading_normal;
+    }
+  }
+
+  const SurfaceMaterial& material = world.materials[surface.material];
+  if (!material.normal_texture) return;
+  const TextureUse& use = *material.normal_texture;
+  const std::uint32_t set = use.uv_set;
+  if (!surface.uv_offset[set]) return;
+  Vec3f tangent(0.0f);
+  float handedness = 1.0f;
+  if (surface.tangents_offset) {
+    const Vec4f t = interpolate(world.tangents, *surface.tangents_offset);
+    tangent = Vec3f(t);
+    handedness = t.w < 0.0f ? -1.0f : 1.0f;
+  } else {
+    const std::uint32_t shift = *surface.uv_offset[set] - surface.first_vertex;
+    const Vec2f d1 = world.uv[corners[1] + shift] - world.uv[corners[0] + shift];
+    const Vec2f d2 = world.uv[corners[2] + shift] - world.uv[corners[0] + shift];
+    const float determinant = d1.x * d2.y - d1.y * d2.x;
+    tangent = (b - a) * d2.y - (c - a) * d1.y;
+    if (determinant < 0.0f) tangent = -tangent;
+    // Texture v grows downwards, the bitangent of a normal map upwards.
+    handedness = determinant < 0.0f ? 1.0f : -1.0f;
+  }
+  const Vec3f n = point.shading_normal;
+  tangent = unit_or(tangent - glm::dot(tangent, n) * n, Basis(n).tangent);
+  const Vec3f bitangent = glm::cross(n, tangent) * handedness;
+  const Vec4f texel = world.textures[use.texture].value(transformed_uv(use, point.uv[set]), 0.0f);
+  const Vec3f local =
+      (2.0f * Vec3f(texel) - 1.0f) * Vec3f(material.normal_scale, material.normal_scale, 1.0f);
+  const Vec3f mapped = unit_or(local.x * tangent + local.y * bitangent + local.z * n, n);
+  if (glm::dot(mapped, point.normal) > 0.0f) point.shading_normal = mapped;
+}
+
+void fill_ellipsoid(const World& world, const Vec3d& on_ray, std::size_t index,
+                    SurfacePoint& point) {
+  const Ellipsoid& ellipsoid = world.ellipsoids[index];
+  // Move the point onto the surface: the ray parameter's error is along the ray, not across it.
+  Vec3d q = ellipsoid.world_to_unit_linear * on_ray + ellipsoid.world_to_unit_offset;
+  q = glm::normalize(q);
+  const Vec3d exact = world.ellipsoid_to_world[index] * (q - ellipsoid.world_to_unit_offset);
+  point.position = Vec3f(exact);
+  point.normal = Vec3f(glm::normalize(glm::transpose(ellipsoid.world_to_unit_linear) * q));
+  point.shading_normal = point.normal;
+  point.offset_m = rounding_bound(5) * glm::dot(glm::abs(point.position), glm::abs(point.normal));
+}
+
+void fill_polyhedron(const World& world, const Vec3d& on_ray, std::size_t index, float face,
+                     SurfacePoint& point) {
+  const ConvexPolyhedron& polyhedron = world.polyhedra[index];
+  const Plane& plane = world.planes[polyhedron.first_plane + static_cast<std::uint32_t>(face)];
+  const Vec3d exact = on_ray - (glm::dot(plane.normal, on_ray) - plane.distance) * plane.normal;
+  point.position = Vec3f(exact);
+  point.normal = Vec3f(plane.normal);
+  point.shading_normal = point.normal;
+  point.offset_m = rounding_bound(5) * glm::dot(glm::abs(point.position), glm::abs(point.normal));
+}
+
+}  // namespace
+
+TriangleFrame triangle_frame(const World& world, std::uint32_t primitive) {
+  TriangleFrame frame;
+  frame.surface = world.primitive_surface[primitive];
+  frame.corners = world.triangles[primitive];
+  frame.a = world.positions[frame.corners[0]];
+  frame.b = world.positions[frame.corners[1]];
+  frame.c = world.positions[frame.corners[2]];
+  // In double: thin triangles far from the origin still have a direction to face.
+  const Vec3d a(frame.a);
+  const Vec3d cross = glm::cross(Vec3d(frame.b) - a, Vec3d(frame.c) - a);
+  const double twice_area = glm::length(cross);
+  frame.normal = Vec3f(cross / twice_area);
+  frame.twice_area = static_cast<float>(twice_area);
+  return frame;
+}
+
+SurfacePoint triangle_point(const World& world, const TriangleFrame& frame, const Hit& hit) {
+  SurfacePoint point;
+  point.surface = frame.surface;
+  fill_triangle(world, frame, hit, point);
+  return point;
+}
+
+SurfacePoint surface_point(const World& world, const Vec3f& origin, const Vec3f& direction,
+                           const Hit& hit) {
+  std::size_t index = hit.primitive;
+  if (index < world.triangles.size()) {
+    return triangle_point(world, triangle_frame(world, hit.primitive), hit);
+  }
+  SurfacePoint point;
+  point.surface = world.primitive_surface[hit.primitive];
+  const Vec3d on_ray = Vec3d(origin) + static_cast<double>(hit.t) * Vec3d(direction);
+  index -= world.triangles.size();
+  if (index < world.ellipsoids.size()) {
+    fill_ellipsoid(world, on_ray, index, point);
+  } else {
+    fill_polyhedron(world, on_ray, index - world.ellipsoids.size(), hit.u, point);
+  }
+  return point;
+}
+
+}  // namespace abbe

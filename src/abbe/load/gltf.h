@@ -1,0 +1,24 @@
+/// glTF 2.0 files, .gltf and .glb, into scenes.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "abbe/base/notes.h"
+#include "abbe/load/spectra/catalogue.h"
+#include "abbe/scene/scene.h"
+
+namespace abbe {
+
+struct LoadOptions {
+  std::optional<std::string> scene_name;  ///< Which scene of the file; default: the file's own.
+};
+
+/// Reads, checks and understands a glTF file. Everything ignored or approximated becomes a note.
+/// Errors: input Error with file and JSON pointer. Nothing outside the scene's folder is read.
+Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
+                const LoadOptions& options, Notes& notes);
+
+}  // namespace abbe

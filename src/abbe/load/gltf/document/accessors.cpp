@@ -1,0 +1,414 @@
+#include "abbe/load/gltf/document/accessors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "abbe/base/error.h"
+#include "abbe/load/gltf/document/check.h"
+
+namespace abbe::gltf {
+namespace {
+
+std::size_t component_size(int component_type) {
+  switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return 1;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return 2;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      return 4;
+    default:
+      return 0;
+  }
+}
+
+const char* component_name(int component_type) {
+  switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return "BYTE";
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return "UNSIGNED_BYTE";
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return "SHORT";
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return "UNSIGNED_SHORT";
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return "UNSIGNED_INT";
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      return "FLOAT";
+    default:
+      return "an unknown component type";
+  }
+}
+
+const char* type_name(int type) {
+  switch (type) {
+    case TINYGLTF_TYPE_SCALAR:
+      return "SCALAR";
+    case TINYGLTF_TYPE_VEC2:
+      return "VEC2";
+    case TINYGLTF_TYPE_VEC3:
+      return "VEC3";
+    case TINYGLTF_TYPE_VEC4:
+      return "VEC4";
+    default:
+      return "a matrix";
+  }
+}
+
+template <typename T>
+T load(const std::uint8_t* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof(T));  // Files may be unaligned.
+  return value;
+}
+
+// glTF 2.0, 3.11: normalized signed integers map to max(c / max, −1).
+template <typename T>
+float to_float(const std::uint8_t* bytes, bool normalized) {
+  const T value = load<T>(bytes);
+  if constexpr (std::is_same_v<T, float>) return value;
+  if (!normalized) return static_cast<float>(value);
+  return std::max(static_cast<float>(value) / static_cast<float>(std::numeric_limits<T>::max()),
+                  -1.0f);
+}
+
+// A run of elements in memory, and those wanted of it.
+struct Source {
+  const std::uint8_t* data;
+  std::size_t stride;
+  int component_type;
+  int components;
+  bool normalized;
+  const Selection& selected;
+};
+
+template <typename T, int N>
+void decode_as(const Source& source, std::vector<glm::vec<N, float>>& out) {
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const std::size_t at = source.selected ? (*source.selected)[i] : i;
+    const std::uint8_t* element = source.data + at * source.stride;
+    for (int c = 0; c < source.components; ++c) {
+      out[i][c] = to_float<T>(element + static_cast<std::size_t>(c) * sizeof(T), source.normalized);
+    }
+  }
+}
+
+template <int N>
+void decode(const Source& source, std::vector<glm::vec<N, float>>& out) {
+  switch (source.component_type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return decode_as<std::int8_t, N>(source, out);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return decode_as<std::uint8_t, N>(source, out);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return decode_as<std::int16_t, N>(source, out);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return decode_as<std::uint16_t, N>(source, out);
+    default:
+      return decode_as<float, N>(source, out);
+  }
+}
+
+}  // namespace
+
+Accessors::Accessors(Document& document, const tinygltf::Model& model)
+    : document_(document), model_(model) {
+  const Json* buffers = find(&document.json(), "buffers");
+  buffers_.resize(buffers == nullptr ? 0 : buffers->size());
+}
+
+Bytes Accessors::buffer(int index) {
+  std::optional<Bytes>& known = buffers_[at(index)];
+  if (known) return *known;
+  const std::string pointer = fmt::format("/buffers/{}", index);
+  const Json& json = document_.json()["buffers"][at(index)];
+  const auto length = json["byteLength"].get<std::uint64_t>();
+  Bytes bytes;
+  if (const Json* uri = find(&json, "uri")) {
+    bytes = document_.read_uri(uri->get_ref<const std::string&>(), pointer + "/uri");
+  } else if (index == 0 && document_.binary_chunk()) {
+    bytes = *document_.binary_chunk();
+  } else {
+    throw_input_error(document_.where(pointer), "no uri", "a uri, or the BIN chunk of a .glb file");
+  }
+  if (length > bytes.size()) {
+    throw_input_error(document_.where(pointer + "/byteLength"), fmt::format("{}", length),
+                      fmt::format("at most the {} bytes that are there", bytes.size()));
+  }
+  known = bytes.first(static_cast<std::size_t>(length));
+  return *known;
+}
+
+Bytes Accessors::view(int buffer_view, const std::string& user) {
+  const tinygltf::BufferView& view = model_.bufferViews[at(buffer_view)];
+  const Bytes bytes = buffer(view.buffer);
+  if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset) {
+    throw_input_error(
+        document_.where(fmt::format("/bufferViews/{}", buffer_view)),
+        fmt::format("{} bytes from byte {} (used by {})", view.byteLength, view.byteOffset, user),
+        fmt::format("a part of the {} bytes of buffer {}", bytes.size(), view.buffer));
+  }
+  return bytes.subspan(view.byteOffset, view.byteLength);
+}
+
+void Accessors::spend(std::size_t elements, const std::string& user) {
+  // Sharing arrays among primitives is usual, so a scene may be larger than its file; but a file of
+  // a few lines must not fill the memory.
+  constexpr std::uint64_t kFree = std::uint64_t{1} << 22;
+  constexpr std::uint64_t kPerByte = 8;
+  const std::uint64_t allowed = kFree + kPerByte * document_.bytes_read();
+  spent_ += elements;
+  if (spent_ > allowed) {
+    throw_input_error(document_.where(user),
+                      fmt::format("more than {} vertices and triangles in files of {} bytes",
+                                  allowed, document_.bytes_read()),
+                      "a scene in proportion to its files");
+  }
+}
+
+Accessors::Run Accessors::run_of(int accessor) {
+  const tinygltf::Accessor& a = model_.accessors[at(accessor)];
+  const std::string pointer = fmt::format("/accessors/{}", accessor);
+  const std::size_t size = component_size(a.componentType);
+  if (size == 0) {
+    throw_input_error(document_.where(pointer + "/componentType"), std::to_string(a.componentType),
+                      "a component type", {"5120", "5121", "5122", "5123", "5125", "5126"});
+  }
+  Run run{nullptr,
+          a.count,
+          0,
+          a.componentType,
+          tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)),
+          a.normalized};
+  const std::size_t element = size * static_cast<std::size_t>(run.components);
+  if (a.bufferView < 0) {
+    // Zeros cost nothing in the file, so the file does not bound their number.
+    constexpr std::size_t kMaxZeros = std::size_t{1} << 22;
+    if (a.count > kMaxZeros) {
+      throw_input_error(document_.where(pointer + "/count"), std::to_string(a.count),
+                        fmt::format("at most {} without a bufferView", kMaxZeros));
+    }
+    return run;
+  }
+  const tinygltf::BufferView& v = model_.bufferViews[at(a.bufferView)];
+  const Bytes bytes = view(a.bufferView, pointer);
+  run.stride = v.byteStride == 0 ? element : v.byteStride;
+  if (run.stride < element) {
+    throw_input_error(
+        document_.where(fmt::format("/bufferViews/{}/byteStride", a.bufferView)),
+        std::to_string(run.stride),
+        fmt::format("at least {}, the size of an element of accessor {}", element, accessor));
+  }
+  // The last element ends at offset + (count − 1)·stride + element; division cannot overflow.
+  const bool fits = a.byteOffset <= bytes.size() && bytes.size() - a.byteOffset >= element &&
+                    (a.count - 1) <= (bytes.size() - a.byteOffset - element) / run.stride;
+  if (!fits) {
+    throw_input_error(
+        document_.where(pointer),
+        fmt::format("{} elements of {} bytes, {} apart, from byte {}", a.count, element, run.stride,
+                    a.byteOffset),
+        fmt::format("at most the {} bytes of bufferView {}", bytes.size(), a.bufferView));
+  }
+  if ((v.byteOffset + a.byteOffset) % size != 0 || run.stride % size != 0) {
+    document_.notes().warn(document_.where(pointer),
+                           fmt::format("its data are not aligned to {} bytes", size));
+  }
+  run.data = bytes.data() + a.byteOffset;
+  return run;
+}
+
+Accessors::Run Accessors::sparse_run(int accessor, int view_index, std::size_t byte_offset,
+                                     int component_type, int components, const char* part) {
+  const auto count = static_cast<std::size_t>(model_.accessors[at(accessor)].sparse.count);
+  const std::string pointer = fmt::format("/accessors/{}/sparse/{}", accessor, part);
+  const Bytes bytes = view(view_index, pointer);
+  const std::size_t element = component_size(component_type) * static_cast<std::size_t>(components);
+  if (byte_offset > bytes.size() || count > (bytes.size() - byte_offset) / element) {
+    throw_input_error(
+        document_.where(pointer),
+        fmt::format("{} elements of {} bytes from byte {}", count, element, byte_offset),
+        fmt::format("at most the {} bytes of bufferView {}", bytes.size(), view_index));
+  }
+  return {bytes.data() + byte_offset, count, element, component_type, components, false};
+}
+
+std::vector<std::uint32_t> Accessors::read_integers(const Run& run) const {
+  std::vector<std::uint32_t> values(run.count);
+  if (run.data == nullptr) return values;
+  for (std::size_t i = 0; i < run.count; ++i) {
+    const std::uint8_t* element = run.data + i * run.stride;
+    switch (run.component_type) {
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        values[i] = *element;
+        break;
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        values[i] = load<std::uint16_t>(element);
+        break;
+      default:
+        values[i] = load<std::uint32_t>(element);
+    }
+  }
+  return values;
+}
+
+std::vector<std::uint32_t> Accessors::sparse_indices(int accessor) {
+  const tinygltf::Accessor& a = model_.accessors[at(accessor)];
+  const auto& sparse = a.sparse;
+  const std::string pointer = fmt::format("/accessors/{}/sparse", accessor);
+  const int type = sparse.indices.componentType;
+  if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE &&
+      type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
+      type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
+    throw_input_error(document_.where(pointer + "/indices/componentType"), component_name(type),
+                      "an unsigned type", {"5121", "5123", "5125"});
+  }
+  if (static_cast<std::size_t>(sparse.count) > a.count) {
+    throw_input_error(document_.where(pointer + "/count"), std::to_string(sparse.count),
+                      fmt::format("at most the {} elements of the accessor", a.count));
+  }
+  std::vector<std::uint32_t> indices = read_integers(
+      sparse_run(accessor, sparse.indices.bufferView,
+                 static_cast<std::size_t>(sparse.indices.byteOffset), type, 1, "indices"));
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    if (indices[i] >= a.count) {
+      throw_input_error(document_.where(pointer + "/indices"),
+                        fmt::format("index {} at place {}", indices[i], i),
+                        fmt::format("below the accessor's count, {}", a.count));
+    }
+  }
+  return indices;
+}
+
+template <int N>
+void Accessors::apply_sparse(int accessor, const Selection& selected, float fill,
+                             std::vector<glm::vec<N, float>>& elements) {
+  const tinygltf::Accessor& a = model_.accessors[at(accessor)];
+  const std::vector<std::uint32_t> indices = sparse_indices(accessor);
+  const int components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type));
+  const Run values = sparse_run(accessor, a.sparse.values.bufferView,
+                                static_cast<std::size_t>(a.sparse.values.byteOffset),
+                                a.componentType, components, "values");
+  std::vector<glm::vec<N, float>> replacements(values.count, glm::vec<N, float>(fill));
+  const Selection all;
+  decode<N>({values.data, values.stride, a.componentType, components, a.normalized, all},
+            replacements);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    std::size_t place = indices[i];
+    if (selected) {
+      const auto found = std::lower_bound(selected->begin(), selected->end(), indices[i]);
+      if (found == selected->end() || *found != indices[i]) continue;
+      place = static_cast<std::size_t>(found - selected->begin());
+    }
+    elements[place] = replacements[i];
+  }
+}
+
+template <int N>
+std::vector<glm::vec<N, float>> Accessors::read(int accessor, const Selection& selected,
+                                                float fill) {
+  const Run run = run_of(accessor);
+  std::vector<glm::vec<N, float>> elements(selected ? selected->size() : run.count,
+                                           glm::vec<N, float>(fill));
+  if (run.data != nullptr) {
+    decode<N>({run.data, run.stride, run.component_type, run.components, run.normalized, selected},
+              elements);
+  } else {
+    for (auto& element : elements) {
+      for (int c = 0; c < run.components; ++c) element[c] = 0.0f;
+    }
+  }
+  if (model_.accessors[at(accessor)].sparse.isSparse) {
+    apply_sparse<N>(accessor, selected, fill, elements);
+  }
+  return elements;
+}
+
+void Accessors::require_type(int accessor, const std::string& user,
+                             std::initializer_list<int> types) const {
+  const int type = model_.accessors[at(accessor)].type;
+  if (std::find(types.begin(), types.end(), type) != types.end()) return;
+  std::string expected;
+  for (const int allowed : types) {
+    expected += (expected.empty() ? "" : " or ") + std::string(type_name(allowed));
+  }
+  throw_input_error(document_.where(user),
+                    fmt::format("accessor {} of type {}", accessor, type_name(type)), expected);
+}
+
+void Accessors::check_components(int accessor, const std::string& user, Components allowed) const {
+  const tinygltf::Accessor& a = model_.accessors[at(accessor)];
+  const int type = a.componentType;
+  bool good = type == TINYGLTF_COMPONENT_TYPE_FLOAT;
+  const bool is_unsigned = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                           type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+  const bool is_signed =
+      type == TINYGLTF_COMPONENT_TYPE_BYTE || type == TINYGLTF_COMPONENT_TYPE_SHORT;
+  if (allowed != Components::FloatOnly && is_unsigned && a.normalized) good = true;
+  if (allowed == Components::AnyQuantized && (is_unsigned || is_signed)) good = true;
+  if (!good) {
+    throw_input_error(document_.where(user),
+                      fmt::format("accessor {} of component type {} ({}){}", accessor, type,
+                                  component_name(type), a.normalized ? ", normalized" : ""),
+                      allowed == Components::FloatOnly ? "FLOAT, or KHR_mesh_quantization"
+                                                       : "FLOAT or a normalized unsigned type");
+  }
+}
+
+std::vector<Vec2f> Accessors::vec2(int accessor, const std::string& user, Components allowed,
+                                   const Selection& selected) {
+  require_type(accessor, user, {TINYGLTF_TYPE_VEC2});
+  check_components(accessor, user, allowed);
+  return read<2>(accessor, selected, 0.0f);
+}
+
+std::vector<Vec3f> Accessors::vec3(int accessor, const std::string& user, Components allowed,
+                                   const Selection& selected) {
+  require_type(accessor, user, {TINYGLTF_TYPE_VEC3});
+  check_components(accessor, user, allowed);
+  return read<3>(accessor, selected, 0.0f);
+}
+
+std::vector<Vec4f> Accessors::vec4(int accessor, const std::string& user, Components allowed,
+                                   const Selection& selected) {
+  require_type(accessor, user, {TINYGLTF_TYPE_VEC4});
+  check_components(accessor, user, allowed);
+  return read<4>(accessor, selected, 0.0f);
+}
+
+std::vector<Vec4f> Accessors::color(int accessor, const std::string& user, Components allowed,
+                                    const Selection& selected) {
+  require_type(accessor, user, {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4});
+  check_components(accessor, user, allowed);
+  return read<4>(accessor, selected, 1.0f);
+}
+
+std::vector<std::uint32_t> Accessors::indices(int accessor, const std::string& user) {
+  require_type(accessor, user, {TINYGLTF_TYPE_SCALAR});
+  const tinygltf::Accessor& a = model_.accessors[at(accessor)];
+  if (a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE &&
+      a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
+      a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
+    throw_input_error(document_.where(user),
+                      fmt::format("accessor {} of component type {} ({})", accessor,
+                                  a.componentType, component_name(a.componentType)),
+                      "UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT");
+  }
+  std::vector<std::uint32_t> values = read_integers(run_of(accessor));
+  if (a.sparse.isSparse) {
+    const std::vector<std::uint32_t> places = sparse_indices(accessor);
+    const std::vector<std::uint32_t> replacements = read_integers(sparse_run(
+        accessor, a.sparse.values.bufferView, static_cast<std::size_t>(a.sparse.values.byteOffset),
+        a.componentType, 1, "values"));
+    for (std::size_t i = 0; i < places.size(); ++i) values[places[i]] = replacements[i];
+  }
+  return values;
+}
+
+}  // namespace abbe::gltf

@@ -1,0 +1,213 @@
+#include "abbe/load/gltf/lights.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "abbe/base/constants.h"
+#include "abbe/base/error.h"
+#include "abbe/load/gltf/document/check.h"
+#include "abbe/load/gltf/document/fields.h"
+#include "abbe/scene/convex.h"
+
+namespace abbe::gltf {
+namespace {
+
+constexpr double kBrightest = 1e15;  // Candela and lux.
+
+std::string name_or(const Fields& fields, std::string otherwise) {
+  return fields.has("name") ? fields.required_text("name") : std::move(otherwise);
+}
+
+// A number above 0.
+double positive(const Fields& fields, const char* name) {
+  const double value = fields.required_number(name, {0.0, 1e12});
+  if (value == 0.0) throw_input_error(fields.where(name), "0", "a number above 0");
+  return value;
+}
+
+double magnification(const Fields& orthographic, const char* name, Notes& notes) {
+  const double value = orthographic.required_number(name, {-1e12, 1e12});
+  if (value == 0.0) throw_input_error(orthographic.where(name), "0", "a number above 0");
+  if (value < 0.0) notes.warn(orthographic.where(name), "negative; its magnitude is used");
+  return std::abs(value);
+}
+
+std::vector<Vec4d> read_planes(const Fields& convex) {
+  convex.only({"planes"});
+  // Corners are found from all triples of planes.
+  constexpr std::size_t kFewest = 4, kMost = 64;
+  const Json* planes = convex.has("planes") ? &convex.at("planes") : nullptr;
+  if (planes == nullptr || !planes->is_array() || planes->size() < kFewest ||
+      planes->size() > kMost) {
+    throw_input_error(convex.where("planes"), planes == nullptr ? "nothing" : describe(*planes),
+                      fmt::format("{} to {} planes", kFewest, kMost));
+  }
+  std::vector<Vec4d> result;
+  for (std::size_t i = 0; i < planes->size(); ++i) {
+    const std::string where = convex.where("planes") + "/" + std::to_string(i);
+    const Json& row = (*planes)[i];
+    if (!row.is_array() || row.size() != 4) {
+      throw_input_error(where, describe(row), "[nx, ny, nz, d]");
+    }
+    Vec4d plane;
+    for (int c = 0; c < 4; ++c) {
+      plane[c] = finite_number(row[static_cast<std::size_t>(c)], where + "/" + std::to_string(c),
+                               {-1e9, 1e9});
+    }
+    if (!(glm::length(Vec3d(plane)) > 1e-9)) {
+      throw_input_error(where, "a normal of length 0", "a direction");
+    }
+    result.push_back(plane);
+  }
+  return result;
+}
+
+}  // namespace
+
+Camera read_camera(Document& document, int index) {
+  const std::string pointer = fmt::format("/cameras/{}", index);
+  const Fields fields(document, document.json()["cameras"][static_cast<std::size_t>(index)],
+                      pointer);
+  Camera camera;
+  camera.name = name_or(fields, "");
+  const std::string type = fields.required_text("type");
+  if (type != "perspective" && type != "orthographic") {
+    throw_input_error(fields.where("type"), "\"" + type + "\"", "a camera",
+                      {"perspective", "orthographic"});
+  }
+  const auto projection = fields.object(type.c_str());
+  if (!projection) {
+    throw_input_error(document.where(pointer), "no \"" + type + "\"", "the object its type names");
+  }
+  if (type == "perspective") {
+    const double yfov_rad = positive(*projection, "yfov");
+    if (yfov_rad >= kPi - 1e-6) {
+      throw_input_error(projection->where("yfov"), fmt::format("{:g} rad", yfov_rad), "below pi");
+    }
+    camera.projection = PerspectiveCamera{yfov_rad};
+    if (projection->has("aspectRatio")) camera.aspect_ratio = positive(*projection, "aspectRatio");
+  } else {
+    OrthographicCamera orthographic;
+    orthographic.xmag = magnification(*projection, "xmag", document.notes());
+    orthographic.ymag = magnification(*projection, "ymag", document.notes());
+    camera.aspect_ratio = orthographic.xmag / orthographic.ymag;
+    camera.projection = orthographic;
+  }
+  return camera;
+}
+
+Light read_light(Document& document, int index, Spectra& spectra) {
+  const std::string pointer = fmt::format("/extensions/KHR_lights_punctual/lights/{}", index);
+  const Json& json =
+      document
+          .json()["extensions"]["KHR_lights_punctual"]["lights"][static_cast<std::size_t>(index)];
+  const Fields fields(document, json, pointer);
+  Light light;
+  light.name = name_or(fields, "");
+  const std::string type = fields.required_text("type");
+  if (type == "point") {
+    light.type = LightType::Point;
+  } else if (type == "spot") {
+    light.type = LightType::Spot;
+  } else if (type == "directional") {
+    light.type = LightType::Directional;
+  } else {
+    throw_input_error(fields.where("type"), "\"" + type + "\"", "a light",
+                      {"point", "spot", "directional"});
+  }
+  light.color_rec709 = fields.limited_triple("color", Vec3d(1.0), {0.0, kBrightest});
+  light.intensity = fields.number("intensity", 1.0, {0.0, kBrightest});
+  if (fields.has("range")) light.range_m = positive(fields, "range");
+  if (const auto spot = fields.object("spot")) {
+    light.inner_cone_rad = spot->number("innerConeAngle", 0.0, {0.0, 0.5 * kPi});
+    light.outer_cone_rad = spot->number("outerConeAngle", 0.25 * kPi, {0.0, 0.5 * kPi + 1e-6});
+    if (light.inner_cone_rad >= light.outer_cone_rad) {
+      throw_input_error(spot->where("innerConeAngle"), fmt::format("{:g}", light.inner_cone_rad),
+                        fmt::format("below outerConeAngle, {:g}", light.outer_cone_rad));
+    }
+  }
+  if (const Json* extension = find_extension(json, "ABBE_light")) {
+    const Fields abbe(document, *extension, pointer + "/extensions/ABBE_light");
+    abbe.only({"spectrum", "beam"});
+    if (const auto beam = abbe.object("beam")) {
+      if (light.type != LightType::Directional) {
+        throw_input_error(document.where(beam->pointer()), "a beam of a " + type + " light",
+                          "one of a directional light");
+      }
+      beam->only({"width", "height"});
+      light.beam = BeamSize{positive(*beam, "width"), positive(*beam, "height")};
+    }
+    if (abbe.has("spectrum")) {
+      light.spectrum =
+          spectra.read(abbe.at("spectrum"), abbe.pointer("spectrum"), SpectrumUse::Emission);
+    }
+  }
+  return light;
+}
+
+std::optional<Shape> read_shape(Document& document, int mesh) {
+  const Json& json = document.json()["meshes"][static_cast<std::size_t>(mesh)];
+  const Json* extension = find_extension(json, "ABBE_shape");
+  if (extension == nullptr) return std::nullopt;
+  const Fields fields(document, *extension, fmt::format("/meshes/{}/extensions/ABBE_shape", mesh));
+  fields.only({"sphere", "convex"});
+  if (fields.has("sphere") == fields.has("convex")) {
+    throw_input_error(document.where(fields.pointer()),
+                      fields.has("sphere") ? "sphere and convex" : "no shape", "exactly one",
+                      {"sphere", "convex"});
+  }
+  Shape shape;
+  if (const auto sphere = fields.object("sphere")) {
+    sphere->only({"radius"});
+    shape.geometry = SphereShape{positive(*sphere, "radius")};
+  } else if (const auto convex = fields.object("convex")) {
+    ConvexShape body{read_planes(*convex)};
+    if (!is_bounded(body)) {
+      throw_input_error(convex->where("planes"), "planes that leave the body open",
+                        "planes all around it, their normals pointing out");
+    }
+    if (corners_of(body).empty()) {
+      throw_input_error(convex->where("planes"), "planes that leave no body between them",
+                        "planes with a body inside");
+    }
+    shape.geometry = std::move(body);
+  }
+  return shape;
+}
+
+void apply_abbe_scene(Document& document, int scene_index, Spectra& spectra, Scene& scene) {
+  const Json& json = document.json()["scenes"][static_cast<std::size_t>(scene_index)];
+  const Json* extension = find_extension(json, "ABBE_scene");
+  if (extension == nullptr) return;
+  const Fields fields(document, *extension,
+                      fmt::format("/scenes/{}/extensions/ABBE_scene", scene_index));
+  fields.only({"ambient", "fog", "colorspace"});
+  if (fields.has("colorspace")) {
+    scene.color_space =
+        rgb_space_from_name(fields.required_text("colorspace"), fields.where("colorspace"));
+  }
+  if (const auto fog = fields.object("fog")) {
+    fog->only({"extinction", "albedo"});
+    Fog result;
+    result.extinction_per_m = fog->required_number("extinction", {0.0, 1e6});
+    if (fog->has("albedo")) {
+      result.albedo =
+          spectra.read(fog->at("albedo"), fog->pointer("albedo"), SpectrumUse::Reflectance)
+              .spectrum;
+    }
+    scene.fog = std::move(result);
+  }
+  if (const auto ambient = fields.object("ambient")) {
+    ambient->only({"luminance", "spectrum"});
+    Ambient result;
+    result.luminance_cd_per_m2 = ambient->required_number("luminance", {0.0, 1e12});
+    result.spectrum = ambient->has("spectrum")
+                          ? spectra.read(ambient->at("spectrum"), ambient->pointer("spectrum"),
+                                         SpectrumUse::Emission)
+                          : spectra.d65();
+    scene.ambient = std::move(result);
+  }
+}
+
+}  // namespace abbe::gltf

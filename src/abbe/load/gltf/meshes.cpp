@@ -1,0 +1,189 @@
+#include "abbe/load/gltf/meshes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "abbe/base/error.h"
+#include "abbe/load/gltf/document/check.h"
+
+namespace abbe::gltf {
+namespace {
+
+// Indices of the triangles of a list, strip or fan. Source: glTF 2.0, 3.7.2.1.
+std::vector<std::array<std::uint32_t, 3>> assemble(const std::vector<std::uint32_t>& indices,
+                                                   int mode) {
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  const std::size_t n = indices.size();
+  if (mode == TINYGLTF_MODE_TRIANGLES) {
+    triangles.reserve(n / 3);
+    for (std::size_t i = 0; i + 2 < n; i += 3) {
+      triangles.push_back({indices[i], indices[i + 1], indices[i + 2]});
+    }
+    return triangles;
+  }
+  if (n < 3) return triangles;
+  triangles.reserve(n - 2);
+  for (std::size_t i = 0; i + 2 < n; ++i) {
+    if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+      triangles.push_back({indices[i], indices[i + 1 + i % 2], indices[i + 2 - i % 2]});
+    } else {
+      triangles.push_back({indices[i + 1], indices[i + 2], indices[0]});
+    }
+  }
+  return triangles;
+}
+
+// Where many primitives share large arrays, each takes only the vertices it uses, and its indices
+// are renumbered to them.
+Selection select(std::vector<std::uint32_t>& indices, std::size_t vertex_count) {
+  if (indices.size() >= vertex_count / 2) return std::nullopt;
+  std::vector<std::uint32_t> used = indices;
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  for (std::uint32_t& index : indices) {
+    index = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), index) -
+                                       used.begin());
+  }
+  return used;
+}
+
+const char* mode_name(int mode) {
+  switch (mode) {
+    case TINYGLTF_MODE_POINTS:
+      return "points";
+    case TINYGLTF_MODE_LINE:
+    case TINYGLTF_MODE_LINE_LOOP:
+    case TINYGLTF_MODE_LINE_STRIP:
+      return "lines";
+    default:
+      return "triangles";
+  }
+}
+
+void check_range(Document& document, const tinygltf::Accessor& accessor, int index,
+                 const std::vector<Vec3f>& positions) {
+  if (accessor.minValues.size() != 3 || accessor.maxValues.size() != 3) return;
+  for (int c = 0; c < 3; ++c) {
+    const auto axis = static_cast<std::size_t>(c);
+    const double low = accessor.minValues[axis];
+    const double high = accessor.maxValues[axis];
+    // Writers print a few digits only.
+    const double slack = 1e-3 * std::max({std::abs(low), std::abs(high), high - low, 1e-6});
+    double seen_low = std::numeric_limits<double>::infinity();
+    double seen_high = -seen_low;
+    for (const Vec3f& p : positions) {
+      if (!std::isfinite(p[c])) return;  // Said elsewhere.
+      seen_low = std::min(seen_low, static_cast<double>(p[c]));
+      seen_high = std::max(seen_high, static_cast<double>(p[c]));
+    }
+    if (std::abs(seen_low - low) > slack || std::abs(seen_high - high) > slack) {
+      document.notes().warn(document.where(fmt::format("/accessors/{}", index)),
+                            fmt::format("min and max say {} to {} on axis {}, the data {} to {}",
+                                        low, high, "xyz"[c], seen_low, seen_high));
+      return;
+    }
+  }
+}
+
+}  // namespace
+
+std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& model,
+                                   Accessors& accessors, int mesh_index, std::size_t primitive) {
+  const tinygltf::Mesh& source_mesh = model.meshes[static_cast<std::size_t>(mesh_index)];
+  const tinygltf::Primitive& source = source_mesh.primitives[primitive];
+  const std::string pointer = fmt::format("/meshes/{}/primitives/{}", mesh_index, primitive);
+  const std::string place = document.where(pointer);
+  Notes& notes = document.notes();
+
+  const int mode = source.mode < 0 ? TINYGLTF_MODE_TRIANGLES : source.mode;
+  if (std::string(mode_name(mode)) != "triangles") {
+    notes.warn(place, fmt::format("{} are not rendered", mode_name(mode)));
+    return std::nullopt;
+  }
+  const auto position_accessor = source.attributes.find("POSITION");
+  if (position_accessor == source.attributes.end()) {
+    notes.warn(place, "no POSITION; not rendered");
+    return std::nullopt;
+  }
+  if (!source.targets.empty()) {
+    notes.warn(place, "morph targets are not applied: the base shape is rendered");
+  } else if (!source_mesh.weights.empty()) {
+    notes.warn(document.where(fmt::format("/meshes/{}/weights", mesh_index)),
+               "weights of morph targets that are not there");
+  }
+  const bool is_quantized = uses_extension(document, "KHR_mesh_quantization");
+  const Components exact = is_quantized ? Components::AnyQuantized : Components::FloatOnly;
+  const Components unorm = is_quantized ? Components::AnyQuantized : Components::FloatOrUnorm;
+
+  const std::size_t vertex_count = accessors.count(position_accessor->second);
+  if (vertex_count > std::numeric_limits<std::uint32_t>::max()) {
+    throw_input_error(place, fmt::format("{} vertices", vertex_count), "at most 2^32 - 1");
+  }
+  std::vector<std::uint32_t> indices;
+  Selection selected;
+  if (source.indices >= 0) {
+    accessors.spend(accessors.count(source.indices), pointer);
+    indices = accessors.indices(source.indices, pointer + "/indices");
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      if (indices[i] >= vertex_count) {
+        throw_input_error(document.where(pointer + "/indices"),
+                          fmt::format("index {} at place {}", indices[i], i),
+                          fmt::format("below the number of vertices, {}", vertex_count));
+      }
+    }
+    selected = select(indices, vertex_count);
+  }
+  accessors.spend(selected ? selected->size() : vertex_count, pointer);
+  if (source.indices < 0) {
+    indices.resize(vertex_count);
+    std::iota(indices.begin(), indices.end(), 0u);
+  }
+
+  Mesh mesh;
+  mesh.name = source_mesh.name.empty() ? fmt::format("mesh {}", mesh_index) : source_mesh.name;
+  if (source_mesh.primitives.size() > 1) mesh.name += fmt::format(" [{}]", primitive);
+  mesh.material = source.material < 0 ? 0 : static_cast<std::uint32_t>(source.material);
+
+  for (const auto& [name, accessor] : source.attributes) {
+    const std::string user = pointer + "/attributes/" + name;
+    const bool is_known = name == "POSITION" || name == "NORMAL" || name == "TANGENT" ||
+                          name == "TEXCOORD_0" || name == "TEXCOORD_1" || name == "COLOR_0";
+    if (!is_known) continue;
+    if (accessors.count(accessor) != vertex_count) {
+      throw_input_error(document.where(user), fmt::format("{} elements", accessors.count(accessor)),
+                        fmt::format("as many as POSITION has, {}", vertex_count));
+    }
+    if (name == "POSITION") {
+      mesh.positions = accessors.vec3(accessor, user, exact, selected);
+      if (selected) continue;
+      check_range(document, model.accessors[static_cast<std::size_t>(accessor)], accessor,
+                  mesh.positions);
+    } else if (name == "NORMAL") {
+      mesh.normals = accessors.vec3(accessor, user, exact, selected);
+    } else if (name == "TANGENT") {
+      mesh.tangents = accessors.vec4(accessor, user, exact, selected);
+    } else if (name == "COLOR_0") {
+      mesh.colors_rec709 = accessors.color(accessor, user, unorm, selected);
+    } else {
+      mesh.uv[name == "TEXCOORD_0" ? 0 : 1] = accessors.vec2(accessor, user, unorm, selected);
+    }
+  }
+
+  if (mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0) {
+    notes.warn(place, fmt::format("{} corners are no multiple of 3; the last {} are ignored",
+                                  indices.size(), indices.size() % 3));
+  }
+  mesh.triangles = assemble(indices, mode);
+  clean(mesh, place, notes);
+  if (mesh.triangles.empty()) {
+    notes.warn(place, "no triangle is left; not rendered");
+    return std::nullopt;
+  }
+  return mesh;
+}
+
+}  // namespace abbe::gltf

@@ -1,0 +1,25 @@
+/// glTF mesh primitives as triangle meshes.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <optional>
+
+#include "abbe/load/gltf/document/accessors.h"
+#include "abbe/load/gltf/document/document.h"
+#include "abbe/scene/scene.h"
+
+namespace abbe::gltf {
+
+/// One primitive of a mesh, its material still as glTF has it (0 where it has none). Points and
+/// lines, and what is left empty, give nothing and a note.
+/// Errors: input Error with a JSON pointer.
+std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& model,
+                                   Accessors& accessors, int mesh, std::size_t primitive);
+
+/// Drops triangles with a non-finite or unusably large corner and degenerate ones, then vertices
+/// that no triangle uses, and repairs normals, tangents, texture coordinates and colours; each
+/// repair is one note with a count.
+void clean(Mesh& mesh, const std::string& where, Notes& notes);
+
+}  // namespace abbe::gltf

@@ -1,0 +1,196 @@
+#include "abbe/load/gltf/textures.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "abbe/base/error.h"
+#include "abbe/image/raster/raster.h"
+#include "abbe/load/gltf/document/check.h"
+#include "abbe/load/gltf/document/fields.h"
+
+namespace abbe::gltf {
+namespace {
+
+// uv' = T·R·S·uv: the textures of KHR_texture_transform turn counter-clockwise as seen, and v runs
+// downwards, so a positive angle has sin beside v in the first row.
+void apply_transform(const Fields& transform, TextureUse& use) {
+  const double angle_rad = transform.number("rotation", 0.0, {-1e6, 1e6});
+  double offset[2] = {0.0, 0.0};
+  double scale[2] = {1.0, 1.0};
+  const auto pair = [&transform](const char* name, double(&target)[2]) {
+    if (!transform.has(name)) return;
+    const Json& value = transform.at(name);
+    if (!value.is_array() || value.size() != 2) {
+      throw_input_error(transform.where(name), describe(value), "an array of 2 numbers");
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+      target[i] =
+          finite_number(value[i], transform.where(name) + "/" + std::to_string(i), {-1e6, 1e6});
+    }
+  };
+  pair("offset", offset);
+  pair("scale", scale);
+  const double c = std::cos(angle_rad);
+  const double s = std::sin(angle_rad);
+  use.uv_linear = {static_cast<float>(c * scale[0]), static_cast<float>(s * scale[1]),
+                   static_cast<float>(-s * scale[0]), static_cast<float>(c * scale[1])};
+  use.uv_offset = Vec2f(static_cast<float>(offset[0]), static_cast<float>(offset[1]));
+}
+
+// The media type of a data: URI, or nothing.
+std::string data_label(const std::string& uri) {
+  if (uri.rfind("data:", 0) != 0) return "";
+  return uri.substr(5, uri.find_first_of(";,") - 5);
+}
+
+void warn_of_label(Document& document, Bytes bytes, const std::string& label,
+                   const std::string& pointer) {
+  const bool is_png = bytes.size() > 1 && bytes[0] == 0x89 && bytes[1] == 'P';
+  const bool is_jpeg = bytes.size() > 1 && bytes[0] == 0xff && bytes[1] == 0xd8;
+  if ((is_png && label == "image/jpeg") || (is_jpeg && label == "image/png")) {
+    document.notes().warn(
+        document.where(pointer),
+        std::string("labelled ") + label + ", but is a " + (is_png ? "PNG" : "JPEG") + " image");
+  }
+}
+
+}  // namespace
+
+std::optional<TextureUse> Textures::use(const Json& texture_info, const std::string& pointer) {
+  const Fields info(document_, texture_info, pointer);
+  const std::size_t count = model_.textures.size();
+  const double index = info.required_number("index", {0.0, static_cast<double>(count) - 1.0});
+  if (index != std::floor(index)) throw_input_error(info.where("index"), "a fraction", "an index");
+  TextureUse use;
+  double uv_set = info.number("texCoord", 0.0, {0.0, 1e6});
+  if (const auto extensions = info.object("extensions")) {
+    if (const auto transform = extensions->object("KHR_texture_transform")) {
+      apply_transform(*transform, use);
+      uv_set = transform->number("texCoord", uv_set, {0.0, 1e6});
+    }
+  }
+  if (uv_set > 1.0) {
+    document_.notes().warn(info.where("texCoord"),
+                           fmt::format("texture coordinates {:g}: only sets 0 and 1 are read; the "
+                                       "texture is ignored",
+                                       uv_set));
+    return std::nullopt;
+  }
+  use.uv_set = static_cast<std::uint32_t>(uv_set);
+  const auto found = texture(static_cast<int>(index), pointer);
+  if (!found) return std::nullopt;
+  use.texture = *found;
+  return use;
+}
+
+std::optional<std::uint32_t> Textures::texture(int index, const std::string& pointer) {
+  const auto known = textures_.find(index);
+  if (known != textures_.end()) return known->second;
+
+  const tinygltf::Texture& source = model_.textures[static_cast<std::size_t>(index)];
+  std::optional<std::uint32_t> result;
+  if (source.source < 0) {
+    document_.notes().warn(document_.where(fmt::format("/textures/{}", index)),
+                           "no source, so the texture used by " + pointer + " is ignored");
+  } else {
+    Texture texture;
+    texture.image = image(source.source);
+    if (source.sampler >= 0) {
+      const tinygltf::Sampler& sampler = model_.samplers[static_cast<std::size_t>(source.sampler)];
+      const std::string place = fmt::format("/samplers/{}", source.sampler);
+      texture.wrap_s = wrap(sampler.wrapS, place + "/wrapS");
+      texture.wrap_t = wrap(sampler.wrapT, place + "/wrapT");
+      if (sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST) {
+        texture.filter = TextureFilter::Nearest;
+      } else if (sampler.magFilter != -1 && sampler.magFilter != TINYGLTF_TEXTURE_FILTER_LINEAR) {
+        document_.notes().warn(document_.where(place + "/magFilter"),
+                               fmt::format("unknown filter {}; linear is used (known: 9728 "
+                                           "nearest, 9729 linear)",
+                                           sampler.magFilter));
+      }
+    }
+    result = static_cast<std::uint32_t>(scene_.textures.size());
+    scene_.textures.push_back(texture);
+  }
+  textures_.emplace(index, result);
+  return result;
+}
+
+TextureWrap Textures::wrap(int value, const std::string& pointer) {
+  switch (value) {
+    case TINYGLTF_TEXTURE_WRAP_REPEAT:
+      return TextureWrap::Repeat;
+    case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT:
+      return TextureWrap::MirroredRepeat;
+    case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE:
+      return TextureWrap::ClampToEdge;
+    default:
+      document_.notes().warn(document_.where(pointer),
+                             fmt::format("unknown wrapping {}; repeat is used (known: 10497 "
+                                         "repeat, 33071 clamp, 33648 mirror)",
+                                         value));
+      return TextureWrap::Repeat;
+  }
+}
+
+std::uint32_t Textures::image(int index) {
+  const auto known = images_.find(index);
+  if (known != images_.end()) return known->second;
+
+  const std::string pointer = fmt::format("/images/{}", index);
+  const Json& source = document_.json()["images"][static_cast<std::size_t>(index)];
+  const Json* uri = find(&source, "uri");
+  const Json* view = find(&source, "bufferView");
+  if (uri == nullptr && view == nullptr) {
+    throw_input_error(document_.where(pointer), "neither uri nor bufferView", "one of them");
+  }
+  const Bytes bytes = uri != nullptr
+                          ? document_.read_uri(uri->get_ref<const std::string&>(), pointer + "/uri")
+                          : accessors_.view(view->get<int>(), pointer);
+  const Json* mime = find(&source, "mimeType");
+  warn_of_label(document_, bytes,
+                mime != nullptr  ? mime->get<std::string>()
+                : uri != nullptr ? data_label(uri->get_ref<const std::string&>())
+                                 : "",
+                pointer);
+  // Images that share their bytes share their pixels: a small file must not fill the memory.
+  const auto same = decoded_.find(bytes.data());
+  if (same != decoded_.end()) {
+    images_.emplace(index, same->second);
+    return same->second;
+  }
+  DecodedTexture decoded = decode_texture(bytes, document_.where(pointer));
+  constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 29;
+  pixels_ += static_cast<std::uint64_t>(decoded.width) * static_cast<std::uint64_t>(decoded.height);
+  if (pixels_ > kMaxPixels) {
+    throw_input_error(document_.where(pointer), fmt::format("{} pixels in all images", pixels_),
+                      fmt::format("at most {}", kMaxPixels));
+  }
+  const Json* name = find(&source, "name");
+  TextureImage image;
+  image.name = name != nullptr ? name->get<std::string>() : fmt::format("image {}", index);
+  image.width = decoded.width;
+  image.height = decoded.height;
+  image.rgba8 = std::move(decoded.rgba8);
+  image.rgba_float = std::move(decoded.rgba_float);
+  const auto result = static_cast<std::uint32_t>(scene_.images.size());
+  scene_.images.push_back(std::move(image));
+  images_.emplace(index, result);
+  decoded_.emplace(bytes.data(), result);
+  return result;
+}
+
+void Textures::check_uris() const {
+  const Json* images = find(&document_.json(), "images");
+  if (images == nullptr) return;
+  for (std::size_t i = 0; i < images->size(); ++i) {
+    const Json* uri = find(&(*images)[i], "uri");
+    if (uri == nullptr) continue;
+    const auto& text = uri->get_ref<const std::string&>();
+    if (text.rfind("data:", 0) == 0) continue;
+    document_.check_uri(text, fmt::format("/images/{}/uri", i));
+  }
+}
+
+}  // namespace abbe::gltf

@@ -1,0 +1,45 @@
+/// Textures, samplers and images of a glTF file.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "abbe/load/gltf/document/accessors.h"
+#include "abbe/load/gltf/document/document.h"
+#include "abbe/scene/scene.h"
+
+namespace abbe::gltf {
+
+/// Makes the scene's textures and images, each when a material first uses it.
+class Textures {
+ public:
+  Textures(Document& document, const tinygltf::Model& model, Accessors& accessors, Scene& scene)
+      : document_(document), model_(model), accessors_(accessors), scene_(scene) {}
+
+  /// The use that a texture info object describes, KHR_texture_transform included. Nothing, with a
+  /// note, when the texture has no image or wants a third set of texture coordinates.
+  /// Errors: input Error with a JSON pointer; a broken image is one.
+  std::optional<TextureUse> use(const Json& texture_info, const std::string& pointer);
+
+  /// Checks that every URI of an image stays inside the folder, used or not.
+  void check_uris() const;
+
+ private:
+  std::optional<std::uint32_t> texture(int index, const std::string& pointer);
+  std::uint32_t image(int index);
+  TextureWrap wrap(int value, const std::string& pointer);
+
+  Document& document_;
+  const tinygltf::Model& model_;
+  Accessors& accessors_;
+  Scene& scene_;
+  std::map<int, std::optional<std::uint32_t>> textures_;
+  std::map<int, std::uint32_t> images_;
+  std::map<const std::uint8_t*, std::uint32_t> decoded_;
+  std::uint64_t pixels_ = 0;
+};
+
+}  // namespace abbe::gltf

@@ -1,0 +1,32 @@
+/// Convex polygons in space: the cross sections of bundles of rays that pass flat facets.
+#pragma once
+
+#include <vector>
+
+#include "abbe/math/vec.h"
+
+namespace abbe {
+
+/// A square of half width `half_m` about the foot of the origin in the plane n·x = distance,
+/// counter-clockwise seen from where n points.
+std::vector<Vec3d> large_square(const Vec3d& normal, double distance, double half_m);
+
+/// The part of a polygon where normal·x ≤ distance; empty if there is none. Domain: convex.
+std::vector<Vec3d> clipped(const std::vector<Vec3d>& polygon, const Vec3d& normal, double distance);
+
+/// The common part of a polygon and an infinite convex prism: the shadow that `window` casts along
+/// `direction`. Domain: both convex; the result lies in the plane of `polygon`.
+std::vector<Vec3d> clipped_by_shadow(std::vector<Vec3d> polygon, const std::vector<Vec3d>& window,
+                                     const Vec3d& direction);
+
+/// Area of a flat polygon, m².
+double area_of(const std::vector<Vec3d>& polygon);
+
+/// The convex hull of points in one plane, counter-clockwise about the normal; points on its edges
+/// are left out.
+std::vector<Vec3d> convex_hull(const std::vector<Vec3d>& points, const Vec3d& normal);
+
+/// How far inside the edges of a convex polygon a point of its plane lies; negative outside.
+double distance_inside(const std::vector<Vec3d>& polygon, const Vec3d& normal, const Vec3d& point);
+
+}  // namespace abbe

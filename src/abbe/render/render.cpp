@@ -1,0 +1,371 @@
+#include "abbe/render/render.h"
+
+#include <oneapi/tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <mutex>
+
+#include "abbe/film/filter.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/math/sampling.h"
+#include "abbe/render/band_weights.h"
+#include "abbe/render/camera_rays.h"
+
+namespace abbe {
+namespace {
+
+constexpr int kTileSize = 32;
+/// Camera samples that are traced together: enough to fill batches, few enough to stay in cache.
+constexpr std::size_t kWaveSamples = 512;
+/// Depth of pixels that see nothing: far, but finite, so that it can be averaged and displayed.
+constexpr float kNoDepth = 1e10f;
+
+std::uint32_t pixel_hash(const Vec2i& pixel, std::uint32_t seed) {
+  return hash32(hash32(static_cast<std::uint32_t>(pixel.x), static_cast<std::uint32_t>(pixel.y)),
+                seed);
+}
+
+/// Draws the camera samples of a render.
+class SampleSource {
+ public:
+  SampleSource(const World& world, const Camera& camera, const RenderSettings& settings)
+      : world_(world),
+        settings_(settings),
+        rays_(camera, settings.size),
+        filter_(Filter::named(settings.filter)),
+        strata_(static_cast<float>(
+            std::bit_ceil(static_cast<std::uint32_t>(settings.samples_per_pixel)))) {}
+
+  const Filter& filter() const { return filter_; }
+
+  // Every pixel takes the same wavelengths, in the middle of their strata: a quadrature rule has no
+  // noise, and neighbours that see the same light get the same colour.
+  int set_of(std::uint32_t index) const {
+    const WavelengthQuadrature* quadrature = world_.lanes.quadrature();
+    if (quadrature == nullptr) return 0;
+    return quadrature->set_of(index,
+                              WavelengthQuadrature::centred_scramble(settings_.samples_per_pixel));
+  }
+
+  CameraSample sample(const Vec2i& pixel, std::uint32_t index,
+                      const std::optional<Vec2f>& offset_px, float* weight) const {
+    const std::uint32_t hash = pixel_hash(pixel, settings_.seed);
+    CameraSample sample;
+    sample.set = set_of(index);
+    sample.seed = hash32(hash, index ^ 0x9d2c5680u);
+    // Dimension 0 of the sequence chooses the wavelengths; the film takes the next two and fog
+    // the last, so that none of them are tied together.
+    sample.u_fog = unit_float(owen_scrambled(sobol(index, 3), hash32(hash, 0x666f67u)));
+    FilterSample place = filter_.sample(centred(scrambled_sobol_2d(index, 1, hash)));
+    if (offset_px) place.offset_px = *offset_px;
+    *weight = place.weight;
+    sample.offset_px = place.offset_px;
+    rays_.aim(Vec2d(pixel) + 0.5 + Vec2d(place.offset_px), sample);
+    return sample;
+  }
+
+ private:
+  // The middle of each of the strata that 2^k samples of a pixel fill along each axis: where light
+  // changes evenly across a pixel, as in a fringe, its samples then have no noise. Which stratum of
+  // one axis goes with which of the other is scrambled from pixel to pixel.
+  Vec2f centred(const Vec2f& u) const { return (glm::floor(u * strata_) + 0.5f) / strata_; }
+
+  const World& world_;
+  const RenderSettings& settings_;
+  CameraRays rays_;
+  Filter filter_;
+  float strata_;
+};
+
+// Names of extra channels that are parts of the light, in the order of LightPart.
+constexpr std::array<const char*, kLightParts> kLightPartNames{"direct", "ambient", "emitted",
+                                                               "reflected", "refracted"};
+
+std::optional<std::size_t> light_part_named(const std::string& group) {
+  const auto* found = std::find(kLightPartNames.begin(), kLightPartNames.end(), group);
+  if (found == kLightPartNames.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - kLightPartNames.begin());
+}
+
+std::vector<std::string> aov_channel_names(const std::string& group,
+                                           const RenderSettings& settings) {
+  if (light_part_named(group)) return {group + ".R", group + ".G", group + ".B"};
+  if (group == "spectralAlbedo") {
+    std::vector<std::string> names;
+    for (const double nm : settings.wavelengths.exact_nm) {
+      names.push_back(reflective_channel_name(nm));
+    }
+    if (!settings.bands || !names.empty()) return names;
+    for (int band = 0; band < settings.bands->count; ++band) {
+      names.push_back(reflective_channel_name(settings.bands->center_nm(band)));
+    }
+    return names;
+  }
+  if (group == "P" || group == "N") return {group + ".X", group + ".Y", group + ".Z"};
+  if (group == "albedo") return {"albedo.R", "albedo.G", "albedo.B"};
+  if (group == "UV") return {"UV.U", "UV.V"};
+  if (group == "cost") return {"cost.nodes", "cost.triangles"};
+  return {group};
+}
+
+void append_aov(const std::string& group, const FirstHit& hit, const Vec3f& eye,
+                const Vec3f& forward, std::vector<float>& out) {
+  const auto append3 = [&](const Vec3f& v) { out.insert(out.end(), {v.x, v.y, v.z}); };
+  if (group == "Z") {
+    out.push_back(hit.is_hit ? glm::dot(hit.position - eye, forward) : kNoDepth);
+  } else if (group == "P") {
+    append3(hit.position);
+  } else if (group == "N") {
+    append3(hit.normal);
+  } else if (group == "albedo") {
+    append3(hit.albedo_rec709);
+  } else if (group == "UV") {
+    out.insert(out.end(), {hit.uv.x, hit.uv.y});
+  } else if (group == "cost") {
+    out.insert(out.end(),
+               {static_cast<float>(hit.cost.nodes), static_cast<float>(hit.cost.primitives)});
+  } else if (group == "objectId") {
+    // 0 is nothing; floats hold whole numbers up to 2^24 exactly.
+    out.push_back(hit.is_hit ? static_cast<float>(hit.object + 1) : 0.0f);
+  } else {
+    out.push_back(hit.is_hit ? static_cast<float>(hit.material + 1) : 0.0f);
+  }
+}
+
+/// One thread's share of the work and its memory.
+struct Worker {
+  IntegratorScratch scratch;
+  IntegratorStats stats;
+  std::vector<CameraSample> samples;
+  std::vector<Vec2i> pixels;
+  std::vector<float> weights;
+  std::vector<float> radiance;
+  std::vector<FirstHit> first_hits;
+  std::vector<float> light_parts, albedo;  ///< Per sample and lane, where they are asked for.
+  std::vector<float> bands, reflectances, aovs, folded;
+};
+
+class Renderer {
+ public:
+  Renderer(const World& world, const Camera& camera, const RenderSettings& settings)
+      : world_(world),
+        settings_(settings),
+        source_(world, camera, settings),
+        film_(film_options(settings, source_.filter())),
+        integrator_(integrator_settings(settings)),
+        eye_(Vec3d(camera.to_world[3])),
+        forward_(-glm::normalize(Vec3d(camera.to_world[2]))) {
+    for (const std::string& group : settings.aovs) {
+      has_light_parts_ = has_light_parts_ || light_part_named(group);
+      has_spectral_albedo_ = has_spectral_albedo_ || group == "spectralAlbedo";
+    }
+    if (!settings.bands) return;
+    std::vector<int> sets;
+    for (int s = 0; s < settings.samples_per_pixel; ++s) {
+      sets.push_back(source_.set_of(static_cast<std::uint32_t>(s)));
+    }
+    band_weights_.emplace(*world.lanes.quadrature(), *settings.bands, sets);
+  }
+
+  RenderResult run(const ProgressCallback& progress, const CancelFlag* cancel) {
+    const auto start = std::chrono::steady_clock::now();
+    const std::vector<PixelRect> tiles = tiles_of(film_.crop());
+    std::atomic<bool> complete{true};
+    std::size_t pixels_done = 0;
+    const double pixel_count = static_cast<double>(film_.crop().width()) * film_.crop().height();
+    std::mutex progress_mutex;
+    oneapi::tbb::enumerable_thread_specific<Worker> workers;
+    parallel_for(0, tiles.size(), 1, [&](std::size_t i) {
+      const auto stopped = [&] {
+        return cancel != nullptr && cancel->load(std::memory_order_relaxed);
+      };
+      if (stopped() || !render_tile(tiles[i], workers.local(), stopped)) {
+        complete.store(false, std::memory_order_relaxed);
+        return;
+      }
+      if (!progress) return;
+      const std::scoped_lock lock(progress_mutex);
+      pixels_done += static_cast<std::size_t>(tiles[i].width()) * tiles[i].height();
+      progress(static_cast<double>(pixels_done) / pixel_count);
+    });
+    RenderResult result;
+    for (const Worker& worker : workers) result.stats.add(worker.stats);
+    result.image = film_.develop({.xyz_to_rec709 = world_.lanes.film_to_rec709()});
+    result.complete = complete.load();
+    result.queue_capacity = queue_capacity(integrator_, kWaveSamples, world_.lanes.lane_count());
+    result.dropped_samples = film_.dropped_sample_count();
+    result.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return result;
+  }
+
+ private:
+  static FilmOptions film_options(const RenderSettings& settings, const Filter& filter) {
+    FilmOptions options;
+    options.full_size = settings.size;
+    options.crop = settings.crop;
+    options.bands = settings.bands;
+    options.lines_nm = settings.wavelengths.exact_nm;
+    for (const std::string& group : settings.aovs) {
+      for (const std::string& name : aov_channel_names(group, settings)) {
+        options.aovs.push_back(aov_channel(name));
+      }
+    }
+    options.weight_magnitude = filter.weight_magnitude();
+    return options;
+  }
+
+  // Tiles lie on a grid of the whole image, so that a crop cuts them but does not move them.
+  static std::vector<PixelRect> tiles_of(const PixelRect& crop) {
+    std::vector<PixelRect> tiles;
+    for (int y = crop.y0 - crop.y0 % kTileSize; y < crop.y1; y += kTileSize) {
+      for (int x = crop.x0 - crop.x0 % kTileSize; x < crop.x1; x += kTileSize) {
+        tiles.push_back({std::max(x, crop.x0), std::max(y, crop.y0),
+                         std::min(x + kTileSize, crop.x1), std::min(y + kTileSize, crop.y1)});
+      }
+    }
+    return tiles;
+  }
+
+  template <typename Stopped>
+  bool render_tile(const PixelRect& tile, Worker& worker, const Stopped& stopped) {
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      for (int x = tile.x0; x < tile.x1; ++x) {
+        for (int s = 0; s < settings_.samples_per_pixel; ++s) {
+          float weight = 1.0f;
+          worker.samples.push_back(
+              source_.sample({x, y}, static_cast<std::uint32_t>(s), std::nullopt, &weight));
+          worker.pixels.push_back({x, y});
+          worker.weights.push_back(weight);
+          if (worker.samples.size() == kWaveSamples) {
+            if (stopped()) return false;
+            trace_wave(worker);
+          }
+        }
+      }
+    }
+    trace_wave(worker);
+    return true;
+  }
+
+  void trace_wave(Worker& worker) {
+    const std::size_t count = worker.samples.size();
+    if (count == 0) return;
+    const int stride = world_.lanes.lane_stride();
+    worker.radiance.resize(count * stride);
+    worker.first_hits.assign(settings_.aovs.empty() ? 0 : count, FirstHit{});
+    worker.light_parts.resize(has_light_parts_ ? count * kLightParts * stride : 0);
+    worker.albedo.resize(has_spectral_albedo_ ? count * stride : 0);
+    trace_samples(world_, integrator_, worker.samples, worker.radiance, worker.first_hits,
+                  worker.stats, worker.scratch, nullptr, {worker.light_parts, worker.albedo});
+    for (std::size_t i = 0; i < count; ++i) add_to_film(worker, i);
+    worker.samples.clear();
+    worker.pixels.clear();
+    worker.weights.clear();
+  }
+
+  void add_to_film(Worker& worker, std::size_t i) {
+    const int stride = world_.lanes.lane_stride();
+    const int set = worker.samples[i].set;
+    const std::span<const float> radiance =
+        std::span<const float>(worker.radiance).subspan(i * stride, stride);
+    const Vec3d xyz = responses_of(set, radiance);
+    fill_bands(set, world_.lanes.folded(set, radiance, worker.folded), worker.bands);
+    worker.aovs.clear();
+    for (const std::string& group : settings_.aovs) {
+      if (const auto part = light_part_named(group)) {
+        const std::span<const float> light =
+            std::span<const float>(worker.light_parts)
+                .subspan((i * kLightParts + *part) * stride, stride);
+        const Vec3f rgb_rec709(world_.lanes.film_to_rec709() * responses_of(set, light));
+        worker.aovs.insert(worker.aovs.end(), {rgb_rec709.x, rgb_rec709.y, rgb_rec709.z});
+      } else if (group == "spectralAlbedo") {
+        fill_bands(set, std::span<const float>(worker.albedo).subspan(i * stride, stride),
+                   worker.reflectances);
+        worker.aovs.insert(worker.aovs.end(), worker.reflectances.begin(),
+                           worker.reflectances.end());
+      } else {
+        append_aov(group, worker.first_hits[i], eye_, forward_, worker.aovs);
+      }
+    }
+    film_.add(worker.pixels[i], worker.weights[i], Vec3f(xyz), worker.bands, worker.aovs);
+  }
+
+  // What the film's observer makes of radiance on the lanes of a set.
+  Vec3d responses_of(int set, std::span<const float> radiance) const {
+    const int stride = world_.lanes.lane_stride();
+    const float* weights = world_.xyz_weights.data() + static_cast<std::size_t>(set) * 3 * stride;
+    Vec3d xyz(0.0);
+    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
+      const double value = static_cast<double>(radiance[lane]);
+      xyz.x += static_cast<double>(weights[lane]) * value;
+      xyz.y += static_cast<double>(weights[stride + lane]) * value;
+      xyz.z += static_cast<double>(weights[2 * stride + lane]) * value;
+    }
+    return xyz;
+  }
+
+  void fill_bands(int set, std::span<const float> lanes, std::vector<float>& bands) const {
+    if (!settings_.wavelengths.exact_nm.empty()) {
+      bands.assign(lanes.begin(), lanes.begin() + world_.lanes.quadrature()->lane_count());
+      return;
+    }
+    if (!settings_.bands) return;
+    bands.resize(static_cast<std::size_t>(settings_.bands->count));
+    band_weights_->apply(set, lanes, bands);
+  }
+
+  const World& world_;
+  const RenderSettings& settings_;
+  SampleSource source_;
+  Film film_;
+  IntegratorSettings integrator_;
+  Vec3f eye_, forward_;
+  std::optional<BandWeights> band_weights_;
+  bool has_light_parts_ = false;
+  bool has_spectral_albedo_ = false;
+};
+
+// The filter along one axis; with negative lobes it leaves the average to the samples, for no light
+// is less than none.
+PixelKernel kernel_of(const Filter& filter) {
+  PixelKernel kernel;
+  if (filter.is_negative_anywhere()) return kernel;
+  kernel.radius_px = filter.radius_px();
+  for (int i = 0; i <= PixelKernel::kCells; ++i) {
+    const double place = 2.0 * i / PixelKernel::kCells - 1.0;
+    kernel.cumulated[static_cast<std::size_t>(i)] =
+        static_cast<float>(filter.share_below(place * kernel.radius_px));
+  }
+  return kernel;
+}
+
+}  // namespace
+
+IntegratorSettings integrator_settings(const RenderSettings& settings) {
+  return {.max_depth = settings.max_depth,
+          .cutoff = static_cast<float>(settings.cutoff),
+          .drop = settings.drop,
+          .counts_cost =
+              std::find(settings.aovs.begin(), settings.aovs.end(), "cost") != settings.aovs.end(),
+          .cluster_lanes = settings.cluster_lanes,
+          .kernel = kernel_of(Filter::named(settings.filter))};
+}
+
+RenderResult render(const World& world, const Camera& camera, const RenderSettings& settings,
+                    const ProgressCallback& progress, const CancelFlag* cancel) {
+  return Renderer(world, camera, settings).run(progress, cancel);
+}
+
+CameraSample camera_sample(const World& world, const Camera& camera, const RenderSettings& settings,
+                           const Vec2i& pixel, std::uint32_t sample,
+                           std::optional<Vec2f> offset_px) {
+  float weight = 1.0f;
+  return SampleSource(world, camera, settings).sample(pixel, sample, offset_px, &weight);
+}
+
+}  // namespace abbe

@@ -1,0 +1,52 @@
+/// What shapes an image, resolved: the same settings give the same pixels.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "abbe/film/bands.h"
+#include "abbe/film/film.h"
+#include "abbe/math/vec.h"
+#include "abbe/spectrum/wavelength_set.h"
+#include "abbe/world/lanes.h"
+#include "abbe/world/world.h"
+
+namespace abbe {
+
+struct RenderSettings {
+  Mode mode = Mode::Spectral;
+  Vec2i size{960, 540};
+  std::optional<PixelRect> crop;
+  int samples_per_pixel = 16;
+  WavelengthOptions wavelengths;
+  std::optional<BandOptions> bands;
+  std::string filter = "gaussian";
+  int max_depth = 16;
+  double cutoff = 1e-4;
+  bool drop = false;
+  Uplift uplift = Uplift::JakobHanika;  ///< Of the scene's RGB colours, in spectral mode.
+  bool caustics = true;       ///< Light bent by flat facets exactly; else straight shadow rays.
+  int inner_reflections = 1;  ///< Of a chain of facets, in one body.
+  std::uint32_t seed = 0;
+  std::vector<std::string> aovs;  ///< Groups of extra channels, of aov_names().
+  int threads = 0;                ///< 0: all cores. Never shapes the image.
+  CauseSet frozen;                ///< Held as the mode `rgb` has them; spectral mode only.
+  int cluster_lanes = 0;          ///< IntegratorSettings::cluster_lanes: benchmarks only.
+};
+
+/// Groups of extra channels: Z, P, N, albedo, UV, objectId, materialId, cost; direct,
+/// ambient, emitted, reflected, refracted: parts of the light; spectralAlbedo.
+std::vector<std::string> aov_names();
+
+/// How the world has to be made for these settings.
+WorldOptions world_options(const RenderSettings& settings);
+
+/// Errors: usage Error for values out of range, unknown names and contradictions.
+void check_settings(const RenderSettings& settings);
+
+/// The image size when none is asked for: 540 rows in the camera's shape, 960×540 without one.
+Vec2i default_size(const Camera& camera);
+
+}  // namespace abbe

@@ -1,0 +1,15 @@
+# Writes the files as one C++ source: embedded_page_file(name) gives their text.
+set(source "#include \"abbe/report/embedded_page.h\"\n\n#include <cstring>\n\nnamespace abbe {\n\n")
+string(APPEND source "const char* embedded_page_file(const char* name) {\n")
+foreach(file IN LISTS FILES)
+  get_filename_component(name ${file} NAME)
+  file(READ ${file} hex HEX)
+  # Bytes as numbers: no text can end them early, whatever it holds.
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
+  string(MAKE_C_IDENTIFIER ${name} id)
+  string(APPEND source "  static const unsigned char ${id}[] = {${bytes}0};\n")
+  string(APPEND source "  if (std::strcmp(name, \"${name}\") == 0) {\n")
+  string(APPEND source "    return reinterpret_cast<const char*>(${id});\n  }\n")
+endforeach()
+string(APPEND source "  return nullptr;\n}\n\n}  // namespace abbe\n")
+file(WRITE ${OUTPUT} "${source}")

@@ -1,0 +1,243 @@
+/// A scene as it was described: plain indexed data in its source form (RGB stays RGB, a glass stays
+/// a formula). What a renderer needs beyond that is made in world/.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "abbe/color/rgb_space.h"
+#include "abbe/math/ray.h"
+#include "abbe/math/vec.h"
+#include "abbe/optics/dispersion.h"
+#include "abbe/spectrum/spectrum.h"
+
+namespace abbe {
+
+/// A triple in linear Rec.709 that stands for a colour, still without a spectrum. Channels outside
+/// [0, 1] are those of a colour beyond its gamut.
+struct RgbRec709 {
+  Vec3d rgb_rec709{1.0};
+};
+
+/// A reflectance, transmittance or albedo: as RGB (to be uplifted) or measured.
+using Reflectance = std::variant<RgbRec709, Spectrum>;
+
+/// A named spectrum with its id, for messages and provenance.
+struct NamedSpectrum {
+  std::string id;  ///< "illuminant/A"; empty for spectra written in the scene itself.
+  Spectrum spectrum;
+};
+
+enum class TextureWrap : std::uint8_t { Repeat, MirroredRepeat, ClampToEdge };
+enum class TextureFilter : std::uint8_t { Nearest, Linear };
+
+/// Decoded pixels, row 0 at the top, always four channels; 8-bit values are kept as they are in the
+/// file, deeper ones as floats in [0, 1].
+struct TextureImage {
+  std::string name;
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgba8;  ///< width·height·4 values, or empty
+  std::vector<float> rgba_float;    ///< width·height·4 values, or empty
+};
+
+struct Texture {
+  std::uint32_t image = 0;
+  TextureWrap wrap_s = TextureWrap::Repeat;
+  TextureWrap wrap_t = TextureWrap::Repeat;
+  TextureFilter filter = TextureFilter::Linear;
+};
+
+/// A use of a texture: which UV set, and KHR_texture_transform as uv' = linear·uv + offset.
+struct TextureUse {
+  std::uint32_t texture = 0;
+  std::uint32_t uv_set = 0;
+  std::array<float, 4> uv_linear{1.0f, 0.0f, 0.0f, 1.0f};  ///< Row major.
+  Vec2f uv_offset{0.0f};
+};
+
+enum class AlphaMode : std::uint8_t { Opaque, Mask, Blend };
+
+/// Complex index n + ik of a metal.
+struct Conductor {
+  std::string id;
+  Spectrum n, k;
+  std::optional<Vec2d> range_nm = {};  ///< Where a table of the catalogue was measured.
+};
+
+/// One lossless layer on a surface, seen by its interference colours.
+struct ThinFilm {
+  Dispersion index = ConstantIndex{1.3};
+  std::string index_id;                      ///< Id of a catalogue material, or empty.
+  std::optional<Vec2d> index_range_nm;       ///< Where that material's index is stated.
+  float factor = 1.0f;                       ///< Share of the surface that the film covers.
+  std::optional<TextureUse> factor_texture;  ///< R.
+  /// The thickness; a texture's G mixes it from the minimum, without one it is the maximum.
+  float thickness_min_nm = 100.0f, thickness_max_nm = 400.0f;
+  std::optional<TextureUse> thickness_texture;
+};
+
+/// Emission given by spectrum and luminance (cd/m²) instead of RGB.
+struct SpectralEmission {
+  NamedSpectrum spectrum;
+  double luminance_cd_per_m2 = 0.0;
+};
+
+/// Surfaces below this roughness are treated as perfectly smooth: their lobe is narrower than 0.1°.
+inline constexpr float kSmoothRoughness = 0.03f;
+
+/// glTF's metallic-roughness model, the KHR extensions the renderer knows, and ABBE_material.
+struct Material {
+  std::string name;
+
+  Vec4f base_color_rec709{1.0f};                 ///< Factor, alpha last.
+  std::optional<TextureUse> base_color_texture;  ///< sRGB encoded.
+  std::optional<NamedSpectrum> reflectance;      ///< Replaces the base colour factor's RGB.
+  AlphaMode alpha_mode = AlphaMode::Opaque;
+  float alpha_cutoff = 0.5f;
+  bool double_sided = false;
+  bool unlit = false;  ///< KHR_materials_unlit: the base colour is emitted, nothing else happens.
+
+  float metallic = 1.0f;
+  float roughness = 1.0f;
+  std::optional<TextureUse> metallic_roughness_texture;  ///< G roughness, B metallic.
+  std::optional<TextureUse> normal_texture;
+  float normal_scale = 1.0f;
+
+  Vec3f emissive_rec709{0.0f};  ///< cd/m² per channel: emissiveFactor × emissiveStrength.
+  std::optional<TextureUse> emissive_texture;
+  std::optional<SpectralEmission> emission;  ///< Overrides the emissive factor.
+
+  float transmission = 0.0f;
+  std::optional<TextureUse> transmission_texture;  ///< R.
+  bool has_volume = false;  ///< A boundary between media; otherwise an infinitely thin sheet.
+  Dispersion index = ConstantIndex{1.5};
+  bool index_is_infinite = false;       ///< KHR ior 0: Fresnel 1 at all angles.
+  std::string index_id;                 ///< Id of a catalogue glass, or empty.
+  std::optional<Vec2d> index_range_nm;  ///< Where that glass's index is stated.
+  /// Beer–Lambert: transmittance attenuation_color^(x / distance); white for clear glass.
+  Vec3d attenuation_color_rec709{1.0};
+  double attenuation_distance_m = std::numeric_limits<double>::infinity();
+  std::optional<Spectrum> absorption_per_m;  ///< Replaces the attenuation above.
+
+  std::optional<Conductor> conductor;
+  std::optional<ThinFilm> film;
+  std::optional<double> ambient_factor;  ///< k_a; default: diffuse albedo × (1 − F).
+};
+
+/// Triangles with their attributes; per-vertex vectors are empty or as long as positions.
+struct Mesh {
+  std::string name;
+  std::vector<Vec3f> positions;
+  std::vector<Vec3f> normals;
+  std::vector<Vec4f> tangents;  ///< w is the sign of the bitangent.
+  std::vector<Vec2f> uv[2];
+  std::vector<Vec4f> colors_rec709;  ///< COLOR_0, multiplies the base colour.
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::uint32_t material = 0;
+};
+
+/// An exact shape of ABBE_shape, in its node's space.
+struct SphereShape {
+  double radius_m = 1.0;
+};
+struct ConvexShape {
+  std::vector<Vec4d> planes;  ///< n·x ≤ d as (nx, ny, nz, d); n need not be of unit length.
+};
+struct Shape {
+  std::string name;
+  std::variant<SphereShape, ConvexShape> geometry;
+  std::uint32_t material = 0;
+};
+
+/// A mesh or an exact shape, placed. `to_world` is affine.
+struct Instance {
+  std::string name;
+  std::variant<std::uint32_t, Shape> what;  ///< Index into meshes, or a shape.
+  Mat4d to_world{1.0};
+};
+
+enum class LightType : std::uint8_t { Point, Spot, Directional };
+
+/// Limits a directional light to a rectangle about the origin of its XY plane.
+struct BeamSize {
+  double width_m = 1.0;   ///< Along X.
+  double height_m = 1.0;  ///< Along Y.
+};
+
+/// KHR_lights_punctual, placed. Shines along −Z of `to_world` (rotation and translation only).
+struct Light {
+  std::string name;
+  LightType type = LightType::Point;
+  Vec3d color_rec709{1.0};
+  std::optional<NamedSpectrum> spectrum;  ///< Replaces the colour; scaled to the intensity.
+  double intensity = 1.0;                 ///< Candela for point and spot, lux for directional.
+  double range_m = std::numeric_limits<double>::infinity();
+  double inner_cone_rad = 0.0;
+  double outer_cone_rad = 0.78539816339744831;
+  std::optional<BeamSize> beam;  ///< Directional lights only.
+  Mat4d to_world{1.0};
+};
+
+struct PerspectiveCamera {
+  double yfov_rad = 0.8;
+};
+struct OrthographicCamera {
+  double xmag = 1.0;  ///< Half width, metres.
+  double ymag = 1.0;  ///< Half height, metres.
+};
+
+/// Looks along −Z with +Y up.
+struct Camera {
+  std::string name;
+  std::variant<PerspectiveCamera, OrthographicCamera> projection;
+  double aspect_ratio = 16.0 / 9.0;  ///< Only proposes the image's default shape.
+  Mat4d to_world{1.0};
+};
+
+/// ABBE_scene.ambient: L_a of the illumination equation.
+struct Ambient {
+  double luminance_cd_per_m2 = 0.0;
+  NamedSpectrum spectrum;
+};
+
+/// ABBE_scene.fog: a homogeneous medium outside all bodies that scatters evenly, once.
+struct Fog {
+  double extinction_per_m = 0.0;
+  Reflectance albedo;  ///< Share of what it takes from light that it scatters.
+};
+
+struct Scene {
+  std::string name;
+  RgbSpace color_space = RgbSpace::Rec709;  ///< Of colour textures; all else is linear Rec.709.
+  std::vector<TextureImage> images;
+  std::vector<Texture> textures;
+  std::vector<Material> materials;
+  std::vector<Mesh> meshes;
+  std::vector<Instance> instances;
+  std::vector<Light> lights;
+  std::vector<Camera> cameras;
+  std::optional<Ambient> ambient;
+  std::optional<Fog> fog;
+  std::string content_hash;  ///< Hash of the files the scene was made of, 16 hex digits.
+};
+
+/// World bounds of all instances, or of one; exact for meshes, conservative for shapes.
+Box3f bounds_of(const Scene& scene);
+Box3f bounds_of(const Scene& scene, const Instance& instance);
+
+/// The default rig, when the scene has no light, emission or ambient: a key and a fill lamp and a
+/// dim grey surround, in proportion to the bounds. Add a default camera first: the surround
+/// encloses it. Returns whether the rig was added.
+bool add_default_lights(Scene& scene);
+
+/// A camera that frames the bounds from the front, when the scene has none. Returns whether it was
+/// added.
+bool add_default_camera(Scene& scene);
+
+}  // namespace abbe

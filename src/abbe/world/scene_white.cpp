@@ -1,0 +1,59 @@
+#include "abbe/world/scene_white.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "abbe/base/constants.h"
+#include "abbe/color/uplift/uplift.h"
+
+namespace abbe {
+namespace {
+
+double illuminance_lux(const Light& light, const Vec3d& middle, double radius_m) {
+  if (light.type == LightType::Directional) return light.intensity;
+  // A lamp amid the scene counts as one at its edge, not as infinitely bright.
+  const double distance_m = std::max(glm::length(Vec3d(light.to_world[3]) - middle), radius_m);
+  return distance_m > 0.0 ? light.intensity / (distance_m * distance_m) : light.intensity;
+}
+
+}  // namespace
+
+White scene_white(const Scene& scene, const Box3f& bounds, const Spectrum& d65,
+                  const Observer& observer) {
+  White white{"scene", {}, std::nullopt};
+  const Vec3d low(bounds.low), high(bounds.high);
+  const Vec3d middle = 0.5 * (low + high);
+  const double radius_m = 0.5 * glm::length(high - low);
+  const Spectrum d65_of_1_cd = d65.scaled(1.0 / xyz_of(d65, observer).y);
+  const auto add_rgb = [&](const Vec3d& rgb_rec709, double share) {
+    // Every uplift gives a lamp's colour this white.
+    const Spectrum spectrum = uplift_emission(Uplift::JakobHanika, rgb_rec709, d65_of_1_cd);
+    const double luminance = xyz_of(spectrum, observer).y;
+    if (luminance > 0.0) white.lamps.emplace_back(spectrum, share * luminance);
+  };
+  for (const Light& light : scene.lights) {
+    const double lux = illuminance_lux(light, middle, radius_m);
+    if (light.spectrum) {
+      white.lamps.emplace_back(light.spectrum->spectrum, lux);
+    } else {
+      add_rgb(light.color_rec709, lux);
+    }
+  }
+  if (scene.ambient && scene.ambient->luminance_cd_per_m2 > 0.0) {
+    white.lamps.emplace_back(scene.ambient->spectrum.spectrum,
+                             kPi * scene.ambient->luminance_cd_per_m2);
+  }
+  if (!white.lamps.empty()) return white;
+  for (const Material& material : scene.materials) {
+    if (material.emission) {
+      white.lamps.emplace_back(material.emission->spectrum.spectrum,
+                               material.emission->luminance_cd_per_m2);
+    } else if (material.emissive_rec709 != Vec3f(0.0f)) {
+      add_rgb(Vec3d(material.emissive_rec709), 1.0);
+    }
+  }
+  if (white.lamps.empty()) white.lamps.emplace_back(d65, 1.0);
+  return white;
+}
+
+}  // namespace abbe

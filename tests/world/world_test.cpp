@@ -21,9 +21,10 @@ RenderSettings settings_of(Mode mode) {
 }
 
 Vec3d face_normal(const World& world, std::size_t triangle) {
-  const Triangle& t = world.triangles[triangle];
-  const Vec3d a(world.positions[t[0]]);
-  return glm::cross(Vec3d(world.positions[t[1]]) - a, Vec3d(world.positions[t[2]]) - a);
+  const Triangle& t = world.geometry.triangles[triangle];
+  const Vec3d a(world.geometry.positions[t[0]]);
+  return glm::cross(Vec3d(world.geometry.positions[t[1]]) - a,
+                    Vec3d(world.geometry.positions[t[2]]) - a);
 }
 
 TEST(make_world, mirrored_instance_keeps_its_outside) {
@@ -33,8 +34,10 @@ TEST(make_world, mirrored_instance_keeps_its_outside) {
   mirror[0][0] = -1.0;
   test::add_box_mesh(scene, white, Vec3d(1.0), mirror);
   const World world = test::make_world(scene, settings_of(Mode::Rgb));
-  for (std::size_t i = 0; i < world.triangles.size(); ++i) {
-    EXPECT_GT(glm::dot(face_normal(world, i), Vec3d(world.positions[world.triangles[i][0]])), 0.0);
+  for (std::size_t i = 0; i < world.geometry.triangles.size(); ++i) {
+    EXPECT_GT(glm::dot(face_normal(world, i),
+                       Vec3d(world.geometry.positions[world.geometry.triangles[i][0]])),
+              0.0);
   }
 }
 
@@ -45,8 +48,8 @@ TEST(make_world, sphere_under_a_shear_lies_on_its_ellipsoid) {
   shear[1][0] = 0.5;
   scene.instances.front().to_world = shear * scene.instances.front().to_world;
   const World world = test::make_world(scene, settings_of(Mode::Rgb));
-  ASSERT_EQ(world.ellipsoids.size(), 1u);
-  const Ellipsoid& ellipsoid = world.ellipsoids.front();
+  ASSERT_EQ(world.geometry.ellipsoids.size(), 1u);
+  const Ellipsoid& ellipsoid = world.geometry.ellipsoids.front();
   const Vec3d on_surface(shear * Vec4d(1.0, 4.0, 3.0, 1.0));
   EXPECT_NEAR(
       glm::length(ellipsoid.world_to_unit_linear * on_surface + ellipsoid.world_to_unit_offset),
@@ -65,7 +68,7 @@ TEST(make_world, triangles_flattened_by_their_transform_are_dropped_and_counted)
       abbe::make_world(scene, {.mode = Mode::Rgb, .wavelengths = {}}, test::catalogue().observer(),
                        test::catalogue().illuminant("illuminant/D65"), notes);
   // The four sides have no area left, front and back do.
-  EXPECT_EQ(world.triangles.size(), 4u);
+  EXPECT_EQ(world.geometry.triangles.size(), 4u);
   ASSERT_EQ(notes.all().size(), 1u);
   EXPECT_NE(notes.all().front().text.find("dropped 8 triangles"), std::string::npos);
 }

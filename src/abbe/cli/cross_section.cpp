@@ -31,7 +31,8 @@ std::optional<Polyline> cut_triangle(const std::array<Vec3d, 3>& corners, const 
 // Each face's line in the plane, cut off at the other faces.
 void cut_polyhedron(const World& world, const ConvexPolyhedron& body, const Vec3d& normal,
                     double distance_m, std::vector<Polyline>& cuts) {
-  const std::span<const Plane> planes(world.planes.data() + body.first_plane, body.plane_count);
+  const std::span<const Plane> planes(world.geometry.planes.data() + body.first_plane,
+                                      body.plane_count);
   for (const Plane& face : planes) {
     const Vec3d along = glm::cross(face.normal, normal);
     const double length2 = glm::dot(along, along);
@@ -87,23 +88,24 @@ void cut_ellipsoid(const Ellipsoid& body, const Vec3d& normal, double distance_m
 std::vector<std::vector<Vec3d>> cross_section(const World& world,
                                               std::span<const std::uint32_t> surfaces,
                                               const Vec3d& normal, double distance_m) {
-  std::vector<std::uint8_t> wanted(world.surfaces.size(), 0);
+  std::vector<std::uint8_t> wanted(world.geometry.surfaces.size(), 0);
   for (const std::uint32_t surface : surfaces) wanted[surface] = 1;
   std::vector<Polyline> cuts;
-  const std::size_t triangles = world.triangles.size();
-  const std::size_t ellipsoids = world.ellipsoids.size();
-  for (std::size_t i = 0; i < world.primitive_surface.size(); ++i) {
-    if (wanted[world.primitive_surface[i]] == 0) continue;
+  const std::size_t triangles = world.geometry.triangles.size();
+  const std::size_t ellipsoids = world.geometry.ellipsoids.size();
+  for (std::size_t i = 0; i < world.geometry.primitive_surface.size(); ++i) {
+    if (wanted[world.geometry.primitive_surface[i]] == 0) continue;
     if (i < triangles) {
       std::array<Vec3d, 3> corners;
       for (std::size_t c = 0; c < 3; ++c) {
-        corners[c] = Vec3d(world.positions[world.triangles[i][c]]);
+        corners[c] = Vec3d(world.geometry.positions[world.geometry.triangles[i][c]]);
       }
       if (auto cut = cut_triangle(corners, normal, distance_m)) cuts.push_back(std::move(*cut));
     } else if (i < triangles + ellipsoids) {
-      cut_ellipsoid(world.ellipsoids[i - triangles], normal, distance_m, cuts);
+      cut_ellipsoid(world.geometry.ellipsoids[i - triangles], normal, distance_m, cuts);
     } else {
-      cut_polyhedron(world, world.polyhedra[i - triangles - ellipsoids], normal, distance_m, cuts);
+      cut_polyhedron(world, world.geometry.polyhedra[i - triangles - ellipsoids], normal,
+                     distance_m, cuts);
     }
   }
   return cuts;

@@ -103,8 +103,9 @@ std::optional<LitPlace> lit_place(std::span<const ProbeNode> nodes, const World&
     }
     const ProbeNode& child = nodes[node->children.front()];
     if (child.made_by == "refracted") {
-      medium = node->side == "entering" ? std::optional(world.surfaces[node->surface].material)
-                                        : std::nullopt;
+      medium = node->side == "entering"
+                   ? std::optional(world.geometry.surfaces[node->surface].material)
+                   : std::nullopt;
     }
     node = &child;
   }

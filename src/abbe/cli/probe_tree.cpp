@@ -109,7 +109,7 @@ std::vector<ProbeNode> probe_tree(std::span<const FanRecord> records, const Scen
     node.direct_light = static_cast<double>(record.direct_light);
     const SurfaceMaterial* material = nullptr;
     if (record.is_hit) {
-      const Surface& surface = world.surfaces[record.surface];
+      const Surface& surface = world.geometry.surfaces[record.surface];
       material = &world.materials[surface.material];
       node.surface = record.surface;
       node.instance = printable(scene.instances[surface.object].name);

@@ -71,7 +71,7 @@ nlohmann::json stats_json(const World& world, const RenderResult& result, const 
                       {"chains", caustics.chains},
                       {"share_cut", caustics.share_cut},
                       {"straight", caustics.fallbacks}};
-  json["bytes"] = {{"geometry", world.geometry_bytes()},
+  json["bytes"] = {{"geometry", world.geometry.bytes()},
                    {"accelerator", world.tree.bytes()},
                    {"chains", world.chain_rows.capacity() * sizeof(float)},
                    {"peak_memory", peak_memory_bytes()}};

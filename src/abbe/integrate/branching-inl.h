@@ -118,7 +118,7 @@ class Branching {
   }
 
   /// Says which surface the calls that follow are about.
-  void begin_surface(std::uint32_t surface) { solid_ = world_.surface_solid[surface]; }
+  void begin_surface(std::uint32_t surface) { solid_ = world_.geometry.surface_solid[surface]; }
 
  private:
   float weight_of(const LaneArray& throughput, int set) const {

@@ -59,7 +59,7 @@ class FanHits {
   /// Asks for the memory that shading fans [first, last) will read, of which `at` is next. Domain:
   /// after find_hits(), for each of them in turn.
   void fetch_geometry(const FanList& list, std::size_t first, std::size_t last, std::size_t at) {
-    if (world_.triangles.size() < kFewTriangles) return;
+    if (world_.geometry.triangles.size() < kFewTriangles) return;
     for (std::size_t i = at == first ? at : at + 2 * kFansAhead; i <= at + 2 * kFansAhead; ++i) {
       if (i < last) fetch_triangles(list.fans[i], b_.first_query[i - first]);
     }
@@ -153,7 +153,7 @@ class FanHits {
   // Calls visit(triangle) for the triangles that a fan met, seldom twice for the same.
   template <class Visit>
   HWY_INLINE void for_each_triangle(const Fan& fan, std::uint32_t query, const Visit& visit) const {
-    const auto triangles = static_cast<std::uint32_t>(world_.triangles.size());
+    const auto triangles = static_cast<std::uint32_t>(world_.geometry.triangles.size());
     if (!fan.spread) {
       if (b_.hits[query].primitive < triangles) visit(b_.hits[query].primitive);
       return;
@@ -169,18 +169,20 @@ class FanHits {
 
   void fetch_triangles(const Fan& fan, std::uint32_t query) const {
     for_each_triangle(fan, query, [&](std::uint32_t triangle) {
-      hwy::Prefetch(&world_.primitive_surface[triangle]);
-      hwy::Prefetch(&world_.triangles[triangle]);
+      hwy::Prefetch(&world_.geometry.primitive_surface[triangle]);
+      hwy::Prefetch(&world_.geometry.triangles[triangle]);
     });
   }
 
   void fetch_corners(const Fan& fan, std::uint32_t query) const {
     for_each_triangle(fan, query, [&](std::uint32_t triangle) {
-      const Surface& surface = world_.surfaces[world_.primitive_surface[triangle]];
-      for (const std::uint32_t corner : world_.triangles[triangle]) {
-        hwy::Prefetch(&world_.positions[corner]);
+      const Surface& surface =
+          world_.geometry.surfaces[world_.geometry.primitive_surface[triangle]];
+      for (const std::uint32_t corner : world_.geometry.triangles[triangle]) {
+        hwy::Prefetch(&world_.geometry.positions[corner]);
         if (surface.normals_offset) {
-          hwy::Prefetch(&world_.normals[corner + *surface.normals_offset - surface.first_vertex]);
+          hwy::Prefetch(
+              &world_.geometry.normals[corner + *surface.normals_offset - surface.first_vertex]);
         }
       }
     });
@@ -218,9 +220,9 @@ class FanHits {
     while (left.any()) {
       const int leader = left.front();
       const std::uint32_t primitive = hits_.primitive[leader];
-      const std::uint32_t surface = world_.primitive_surface[primitive];
+      const std::uint32_t surface = world_.geometry.primitive_surface[primitive];
       LaneMask filled;
-      if (has_attributes(world_, world_.surfaces[surface])) {
+      if (has_attributes(world_, world_.geometry.surfaces[surface])) {
         filled = LanesWith(d, stride_, hits_.primitive, primitive, left);
         find_points(filled, primitive);
       } else {
@@ -241,7 +243,7 @@ class FanHits {
 
   // The same lane by lane, where a triangle has attributes that differ from place to place.
   void find_points(const LaneMask& lanes, std::uint32_t primitive) {
-    const bool is_triangle = primitive < world_.triangles.size();
+    const bool is_triangle = primitive < world_.geometry.triangles.size();
     const TriangleFrame frame = is_triangle ? triangle_frame(world_, primitive) : TriangleFrame{};
     for (int lane = lanes.front(); lane < world_.lanes.lane_count(); ++lane) {
       if (!lanes.test(lane)) continue;

@@ -165,7 +165,7 @@ class Tracer {
     const D d;
     const int step = static_cast<int>(hn::Lanes(d));
     const int set = samples_[fan.sample].set;
-    const std::uint32_t number = world_.surfaces[surface].material;
+    const std::uint32_t number = world_.geometry.surfaces[surface].material;
     const SurfaceMaterial& material = world_.materials[number];
     Interaction& at = b_.at;
     const int leader = lanes.front();
@@ -346,7 +346,7 @@ class Tracer {
 
   void keep_first_hit(const Fan& fan, const SurfacePoint& point, float distance_m) {
     FirstHit& hit = first_hits_[fan.sample];
-    const Surface& surface = world_.surfaces[point.surface];
+    const Surface& surface = world_.geometry.surfaces[point.surface];
     const SurfaceMaterial& material = world_.materials[surface.material];
     const CameraSample& sample = samples_[fan.sample];
     hit.is_hit = true;

@@ -72,7 +72,7 @@ ChainStep make_chain_step(const World& world, std::uint32_t facet, ChainEvent ev
 }
 
 void add_chains(const Scene& scene, const CausticOptions& options, Notes& notes, World& world) {
-  world.surface_is_exact.assign(world.surfaces.size(), 0);
+  world.surface_is_exact.assign(world.geometry.surfaces.size(), 0);
   if (!options.exact || scene.lights.empty()) return;
   world.flat = find_flat_bodies(scene, notes);
   find_inclusions(scene, world);

@@ -15,6 +15,7 @@
 #include "abbe/scene/scene.h"
 #include "abbe/world/chains.h"
 #include "abbe/world/flat_bodies.h"
+#include "abbe/world/geometry.h"
 #include "abbe/world/lanes.h"
 #include "abbe/world/point_chains.h"
 #include "abbe/world/texture.h"
@@ -85,16 +86,6 @@ struct SurfaceMaterial {
   }
 };
 
-/// One placed mesh or exact shape. Attribute offsets are relative to the first vertex: the normal
-/// of global vertex i is normals[i − first_vertex + normals_offset].
-struct Surface {
-  std::uint32_t material = 0;
-  std::uint32_t object = 0;  ///< Number of the instance, for id channels.
-  std::uint32_t first_vertex = 0;
-  std::optional<std::uint32_t> normals_offset, tangents_offset, colors_offset;
-  std::array<std::optional<std::uint32_t>, 2> uv_offset{};
-};
-
 /// A punctual light; its row is radiant intensity (or irradiance, for directional ones).
 struct WorldLight {
   std::string name;
@@ -131,21 +122,8 @@ struct World {
   std::vector<float> xyz_weights;  ///< set_count × 3 × lane_stride
   std::vector<float> importance;   ///< set_count × lane_stride
 
+  Geometry geometry;
   std::vector<SurfaceMaterial> materials;
-  std::vector<Surface> surfaces;
-  std::vector<std::uint32_t> primitive_surface;  ///< Per primitive of the accelerator.
-  std::vector<std::uint32_t> surface_solid;  ///< The primitive of an exact shape, or kNoPrimitive.
-
-  std::vector<Vec3f> positions;
-  std::vector<Triangle> triangles;
-  std::vector<Vec3f> normals;
-  std::vector<Vec4f> tangents;
-  std::vector<Vec2f> uv;
-  std::vector<Vec4f> colors_rec709;
-  std::vector<Ellipsoid> ellipsoids;
-  std::vector<Mat3d> ellipsoid_to_world;  ///< Inverse of each one's world_to_unit_linear.
-  std::vector<ConvexPolyhedron> polyhedra;
-  std::vector<Plane> planes;
 
   KdTree tree;
   /// Which kinds of surfaces there are, as bits of the accelerator's masks.
@@ -183,8 +161,6 @@ struct World {
                         static_cast<std::size_t>(set)];
   }
   std::vector<Vec2d> index_ranges;
-
-  std::size_t geometry_bytes() const;
 };
 
 /// Settings that shape how a scene is tabulated.
@@ -197,8 +173,7 @@ struct WorldOptions {
   CauseSet frozen = {};  ///< Spectral mode only.
 };
 
-/// Flattens, tabulates and builds. Degenerate and non-finite triangles that arise from an
-/// instance's transform are dropped with a warning.
+/// Flattens, tabulates and builds.
 World make_world(const Scene& scene, const WorldOptions& options, const Observer& observer,
                  const Spectrum& d65, Notes& notes);
 

@@ -343,7 +343,7 @@ class Paths {
                                std::span<Hit>(&hit, 1));
       if (!hit.is_hit()) return false;
       const SurfacePoint point = surface_point(world_, ray.origin, ray.direction, hit);
-      const Surface& surface = world_.surfaces[point.surface];
+      const Surface& surface = world_.geometry.surfaces[point.surface];
       if (!world_.materials[surface.material].lets_light_pass()) return true;
       if (is_outside && world_.surface_is_exact[point.surface] != 0) return true;
       const Vec3f next = off_surface(point, ray.direction);

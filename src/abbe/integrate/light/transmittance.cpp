@@ -118,7 +118,7 @@ class Passer {
     }
     const SurfacePoint point =
         surface_point(world_, passage.ray.origin, passage.ray.direction, hit);
-    const std::uint32_t number = world_.surfaces[point.surface].material;
+    const std::uint32_t number = world_.geometry.surfaces[point.surface].material;
     const SurfaceMaterial& material = world_.materials[number];
     const bool is_boundary = material.transmission == Transmission::Medium;
     const bool front = glm::dot(passage.ray.direction, point.normal) < 0.0f;

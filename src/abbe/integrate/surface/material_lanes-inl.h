@@ -97,8 +97,9 @@ void FillMaterial(D d, const World& world, const CameraSample& sample, const Fan
                   std::span<const SurfacePoint> points, bool wants_base_color, Interaction& at) {
   const int stride = world.lanes.lane_stride();
   const float footprint_m = sample.footprint_m + sample.footprint_per_m * path_length_m;
-  const bool varies = material.is_textured() ||
-                      world.surfaces[points[lanes.front()].surface].colors_offset.has_value();
+  const bool varies =
+      material.is_textured() ||
+      world.geometry.surfaces[points[lanes.front()].surface].colors_offset.has_value();
   const int set = sample.set;
   if (!wants_base_color) Splat(d, stride, 0.0f, at.base_color);
   const float* base_row = world.row(material.base_color, set);

@@ -56,7 +56,7 @@ MaterialSample material_sample(const World& world, const SurfaceMaterial& materi
   sample.roughness = material.roughness;
   sample.transmission = material.transmission_factor;
 
-  const Surface& surface = world.surfaces[point.surface];
+  const Surface& surface = world.geometry.surfaces[point.surface];
   const bool modulated = material.base_color_texture || surface.colors_offset;
   Vec4f modulation(1.0f);
   if (modulated) {

@@ -18,7 +18,7 @@ float distance2(const Vec3f& a, const Vec3f& b) {
 
 void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hit,
                    SurfacePoint& point) {
-  const Surface& surface = world.surfaces[frame.surface];
+  const Surface& surface = world.geometry.surfaces[frame.surface];
   const Triangle& corners = frame.corners;
   const Vec3f& a = frame.a;
   const Vec3f& b = frame.b;
@@ -44,20 +44,20 @@ void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hi
   for (int set = 0; set < 2; ++set) {
     if (!surface.uv_offset[set]) continue;
     const std::uint32_t shift = *surface.uv_offset[set] - surface.first_vertex;
-    const Vec2f uv_a = world.uv[corners[0] + shift];
-    const Vec2f uv_b = world.uv[corners[1] + shift];
-    const Vec2f uv_c = world.uv[corners[2] + shift];
+    const Vec2f uv_a = world.geometry.uv[corners[0] + shift];
+    const Vec2f uv_b = world.geometry.uv[corners[1] + shift];
+    const Vec2f uv_c = world.geometry.uv[corners[2] + shift];
     point.uv[set] = w * uv_a + u * uv_b + v * uv_c;
     const Vec2f d1 = uv_b - uv_a;
     const Vec2f d2 = uv_c - uv_a;
     point.uv_per_m[set] = std::sqrt(std::abs(d1.x * d2.y - d1.y * d2.x) / frame.twice_area);
   }
   if (surface.colors_offset) {
-    point.color_rec709 = interpolate(world.colors_rec709, *surface.colors_offset);
+    point.color_rec709 = interpolate(world.geometry.colors_rec709, *surface.colors_offset);
   }
   point.shading_normal = point.normal;
   if (surface.normals_offset) {
-    const Vec3f normal = interpolate(world.normals, *surface.normals_offset);
+    const Vec3f normal = interpolate(world.geometry.normals, *surface.normals_offset);
     point.shading_normal = unit_or(normal, point.normal);
     // Modellers' normals decide which side is meant only for shading; the winding decides outside.
     if (glm::dot(point.shading_normal, point.normal) < 0.0f) {
@@ -73,13 +73,13 @@ void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hi
   Vec3f tangent(0.0f);
   float handedness = 1.0f;
   if (surface.tangents_offset) {
-    const Vec4f t = interpolate(world.tangents, *surface.tangents_offset);
+    const Vec4f t = interpolate(world.geometry.tangents, *surface.tangents_offset);
     tangent = Vec3f(t);
     handedness = t.w < 0.0f ? -1.0f : 1.0f;
   } else {
     const std::uint32_t shift = *surface.uv_offset[set] - surface.first_vertex;
-    const Vec2f d1 = world.uv[corners[1] + shift] - world.uv[corners[0] + shift];
-    const Vec2f d2 = world.uv[corners[2] + shift] - world.uv[corners[0] + shift];
+    const Vec2f d1 = world.geometry.uv[corners[1] + shift] - world.geometry.uv[corners[0] + shift];
+    const Vec2f d2 = world.geometry.uv[corners[2] + shift] - world.geometry.uv[corners[0] + shift];
     const float determinant = d1.x * d2.y - d1.y * d2.x;
     tangent = (b - a) * d2.y - (c - a) * d1.y;
     if (determinant < 0.0f) tangent = -tangent;
@@ -98,11 +98,12 @@ void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hi
 
 void fill_ellipsoid(const World& world, const Vec3d& on_ray, std::size_t index,
                     SurfacePoint& point) {
-  const Ellipsoid& ellipsoid = world.ellipsoids[index];
+  const Ellipsoid& ellipsoid = world.geometry.ellipsoids[index];
   // Move the point onto the surface: the ray parameter's error is along the ray, not across it.
   Vec3d q = ellipsoid.world_to_unit_linear * on_ray + ellipsoid.world_to_unit_offset;
   q = glm::normalize(q);
-  const Vec3d exact = world.ellipsoid_to_world[index] * (q - ellipsoid.world_to_unit_offset);
+  const Vec3d exact =
+      world.geometry.ellipsoid_to_world[index] * (q - ellipsoid.world_to_unit_offset);
   point.position = Vec3f(exact);
   point.normal = Vec3f(glm::normalize(glm::transpose(ellipsoid.world_to_unit_linear) * q));
   point.shading_normal = point.normal;
@@ -111,8 +112,9 @@ void fill_ellipsoid(const World& world, const Vec3d& on_ray, std::size_t index,
 
 void fill_polyhedron(const World& world, const Vec3d& on_ray, std::size_t index, float face,
                      SurfacePoint& point) {
-  const ConvexPolyhedron& polyhedron = world.polyhedra[index];
-  const Plane& plane = world.planes[polyhedron.first_plane + static_cast<std::uint32_t>(face)];
+  const ConvexPolyhedron& polyhedron = world.geometry.polyhedra[index];
+  const Plane& plane =
+      world.geometry.planes[polyhedron.first_plane + static_cast<std::uint32_t>(face)];
   const Vec3d exact = on_ray - (glm::dot(plane.normal, on_ray) - plane.distance) * plane.normal;
   point.position = Vec3f(exact);
   point.normal = Vec3f(plane.normal);
@@ -124,11 +126,11 @@ void fill_polyhedron(const World& world, const Vec3d& on_ray, std::size_t index,
 
 TriangleFrame triangle_frame(const World& world, std::uint32_t primitive) {
   TriangleFrame frame;
-  frame.surface = world.primitive_surface[primitive];
-  frame.corners = world.triangles[primitive];
-  frame.a = world.positions[frame.corners[0]];
-  frame.b = world.positions[frame.corners[1]];
-  frame.c = world.positions[frame.corners[2]];
+  frame.surface = world.geometry.primitive_surface[primitive];
+  frame.corners = world.geometry.triangles[primitive];
+  frame.a = world.geometry.positions[frame.corners[0]];
+  frame.b = world.geometry.positions[frame.corners[1]];
+  frame.c = world.geometry.positions[frame.corners[2]];
   // In double: thin triangles far from the origin still have a direction to face.
   const Vec3d a(frame.a);
   const Vec3d cross = glm::cross(Vec3d(frame.b) - a, Vec3d(frame.c) - a);
@@ -148,17 +150,17 @@ SurfacePoint triangle_point(const World& world, const TriangleFrame& frame, cons
 SurfacePoint surface_point(const World& world, const Vec3f& origin, const Vec3f& direction,
                            const Hit& hit) {
   std::size_t index = hit.primitive;
-  if (index < world.triangles.size()) {
+  if (index < world.geometry.triangles.size()) {
     return triangle_point(world, triangle_frame(world, hit.primitive), hit);
   }
   SurfacePoint point;
-  point.surface = world.primitive_surface[hit.primitive];
+  point.surface = world.geometry.primitive_surface[hit.primitive];
   const Vec3d on_ray = Vec3d(origin) + static_cast<double>(hit.t) * Vec3d(direction);
-  index -= world.triangles.size();
-  if (index < world.ellipsoids.size()) {
+  index -= world.geometry.triangles.size();
+  if (index < world.geometry.ellipsoids.size()) {
     fill_ellipsoid(world, on_ray, index, point);
   } else {
-    fill_polyhedron(world, on_ray, index - world.ellipsoids.size(), hit.u, point);
+    fill_polyhedron(world, on_ray, index - world.geometry.ellipsoids.size(), hit.u, point);
   }
   return point;
 }

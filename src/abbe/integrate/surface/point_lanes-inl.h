@@ -58,11 +58,11 @@ HWY_INLINE Vec3Of<D> Interpolated3(D d, VecOf<D> w, const Vec3f& a, VecOf<D> u, 
 template <class D>
 HWY_INLINE void FillTriangleLanes(D d, int stride, const World& world, const TriangleFrame& frame,
                                   const HitLanes& hits, const LaneMask& lanes, SurfaceLanes& out) {
-  const Surface& surface = world.surfaces[frame.surface];
+  const Surface& surface = world.geometry.surfaces[frame.surface];
   const auto normal = Set3(d, frame.normal);
   const Vec3f* normals = nullptr;
   if (surface.normals_offset) {
-    normals = world.normals.data() + *surface.normals_offset - surface.first_vertex;
+    normals = world.geometry.normals.data() + *surface.normals_offset - surface.first_vertex;
   }
   const auto distance2 = [&](const Vec3Of<D>& p, const Vec3f& corner) {
     const Vec3Of<D> to{hn::Sub(hn::Set(d, corner.x), p.x), hn::Sub(hn::Set(d, corner.y), p.y),
@@ -183,7 +183,7 @@ template <class D>
 HWY_INLINE void FillEllipsoidLanes(D, int stride, const World& world, std::size_t index,
                                    const HitLanes& hits, const LaneMask& lanes, SurfaceLanes& out) {
   const DoubleLanes<D> d;
-  const Ellipsoid& ellipsoid = world.ellipsoids[index];
+  const Ellipsoid& ellipsoid = world.geometry.ellipsoids[index];
   const auto offset = SetDouble(d, ellipsoid.world_to_unit_offset);
   const Mat3d transposed = glm::transpose(ellipsoid.world_to_unit_linear);
   for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
@@ -191,7 +191,7 @@ HWY_INLINE void FillEllipsoidLanes(D, int stride, const World& world, std::size_
     q = NormalizedDouble(d,
                          {hn::Add(q.x, offset.x), hn::Add(q.y, offset.y), hn::Add(q.z, offset.z)});
     const auto exact =
-        MatrixTimes(d, world.ellipsoid_to_world[index],
+        MatrixTimes(d, world.geometry.ellipsoid_to_world[index],
                     {hn::Sub(q.x, offset.x), hn::Sub(q.y, offset.y), hn::Sub(q.z, offset.z)});
     const auto normal = NormalizedDouble(d, MatrixTimes(d, transposed, q));
     StoreSolidLanes(d, exact, normal, lanes, i, out);
@@ -222,20 +222,21 @@ HWY_INLINE LaneMask FillSurfaceLanes(D d, int stride, const World& world, const 
   const std::uint32_t primitive = hits.primitive[leader];
   LaneMask lanes = LanesWith(d, stride, hits.primitive, primitive, left);
   std::size_t index = primitive;
-  if (index < world.triangles.size()) {
+  if (index < world.geometry.triangles.size()) {
     FillTriangleLanes(d, stride, world, triangle_frame(world, primitive), hits, lanes, out);
     return lanes;
   }
-  index -= world.triangles.size();
-  if (index < world.ellipsoids.size()) {
+  index -= world.geometry.triangles.size();
+  if (index < world.geometry.ellipsoids.size()) {
     FillEllipsoidLanes(d, stride, world, index, hits, lanes, out);
     return lanes;
   }
   // The face number of a polyhedron comes as u.
-  const ConvexPolyhedron& polyhedron = world.polyhedra[index - world.ellipsoids.size()];
+  const ConvexPolyhedron& polyhedron =
+      world.geometry.polyhedra[index - world.geometry.ellipsoids.size()];
   lanes = LanesWith(d, stride, hits.u.v, hits.u[leader], lanes);
   const auto face = static_cast<std::uint32_t>(hits.u[leader]);
-  FillFaceLanes(d, stride, world.planes[polyhedron.first_plane + face], hits, lanes, out);
+  FillFaceLanes(d, stride, world.geometry.planes[polyhedron.first_plane + face], hits, lanes, out);
   return lanes;
 }
 

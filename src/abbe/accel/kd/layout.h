@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "abbe/accel/kd/memory.h"
 #include "abbe/accel/query.h"
 #include "abbe/accel/shapes.h"
+#include "abbe/base/flat_array.h"
 
 namespace abbe {
 

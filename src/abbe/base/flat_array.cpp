@@ -1,4 +1,4 @@
-#include "abbe/accel/kd/memory.h"
+#include "abbe/base/flat_array.h"
 
 #include <sys/mman.h>
 

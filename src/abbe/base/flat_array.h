@@ -1,4 +1,4 @@
-/// Flat aligned arrays for the tree, on large pages where the system grants them.
+/// Flat aligned arrays of plain records, on large pages where the system grants them.
 #pragma once
 
 #include <cstddef>

@@ -10,7 +10,7 @@ JOBS   ?= $(shell nproc)
 BUILD_PACKAGES := g++ cmake ninja-build pkg-config libglm-dev libhwy-dev libtbb-dev libfmt-dev \
   nlohmann-json3-dev libopenexr-dev libtinygltf-dev libcli11-dev libopencolorio-dev \
   libopenimageio-dev libyaml-cpp-dev zlib1g-dev libjs-chart.js
-TEST_PACKAGES  := libgtest-dev libgmock-dev librapidcheck-dev qemu-user clang-format-14 \
+TEST_PACKAGES  := libgtest-dev libgmock-dev qemu-user clang-format-14 \
   openimageio-tools opencolorio-tools openexr
 BENCH_PACKAGES := libembree-dev libbenchmark-dev povray
 # The page of a comparison is tested in Chromium. A Node.js of another origin is as good as Debian's.

@@ -34,7 +34,7 @@ const std::vector<Rim>& rims() {
       {"CLI11", std::regex(R"(CLI/.*)"), {"cli"}},
       {"nlohmann/json", std::regex(R"(nlohmann/.*)"), {"load", "report", "cli"}},
       {"Embree", std::regex(R"(embree\d*/.*)"), {}},
-      {"GoogleTest", std::regex(R"((gtest|gmock|rapidcheck|benchmark)(/|\.h).*)"), {}},
+      {"GoogleTest", std::regex(R"((gtest|gmock|benchmark)(/|\.h).*)"), {}},
   };
   return kRims;
 }

@@ -143,7 +143,7 @@ TEST(KdTree, every_configuration_gives_right_answers) {
   coarse.bins = 2;
   coarse.exact_limit = 0;
   shallow.max_depth = 3;
-  capped.max_references = 1.0f;
+  capped.max_build_primitives = 1.0f;
   for (const KdTreeConfig& config : {eager, lazy, coarse, shallow, capped}) {
     expect_right_answers(world, KdTree::build(world.spans(), config), rays, kAllBits, 100);
   }

@@ -89,7 +89,7 @@ struct KdView {
   const Plane* planes = nullptr;
   const VisibilityMask* masks = nullptr;  ///< Null where a query sees all primitives.
   VisibilityMask any_mask = 0;            ///< Bits that at least one primitive has.
-  const std::uint8_t* lonely_solids =
+  const std::uint8_t* isolated_solids =
       nullptr;  ///< Per solid, 1 where nothing else reaches into it.
   std::uint32_t triangle_count = 0;
   std::uint32_t ellipsoid_count = 0;
@@ -99,9 +99,9 @@ struct KdView {
   const TriangleBlock& block(KdChild leaf) const {
     return *reinterpret_cast<const TriangleBlock*>(blocks + (leaf & kIndexMask));
   }
-  bool is_lonely_solid(std::uint32_t primitive) const {
+  bool is_isolated_solid(std::uint32_t primitive) const {
     return primitive != kNoPrimitive && primitive >= triangle_count &&
-           lonely_solids[primitive - triangle_count] != 0;
+           isolated_solids[primitive - triangle_count] != 0;
   }
   bool is_visible(std::uint32_t primitive, VisibilityMask mask) const {
     return masks == nullptr || (masks[primitive] & mask) != 0;

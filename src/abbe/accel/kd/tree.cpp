@@ -18,7 +18,7 @@ struct KdTree::Data {
   std::vector<ConvexPolyhedron> polyhedra;
   std::vector<Plane> planes;
   std::vector<VisibilityMask> masks;
-  std::vector<std::uint8_t> lonely_solids;
+  std::vector<std::uint8_t> isolated_solids;
   KdView view;
   KdView unmasked;  ///< Of the same, for queries that see every primitive.
   bool all_have_bits = true;
@@ -87,8 +87,8 @@ KdTree KdTree::build(const ShapeSpans& shapes, const KdTreeConfig& config) {
   view.ellipsoids = data->ellipsoids.data();
   view.polyhedra = data->polyhedra.data();
   view.planes = data->planes.data();
-  data->lonely_solids = find_lonely_solids(shapes);
-  view.lonely_solids = data->lonely_solids.data();
+  data->isolated_solids = find_isolated_solids(shapes);
+  view.isolated_solids = data->isolated_solids.data();
   view.masks = masks.is_uniform ? nullptr : data->masks.data();
   view.any_mask = masks.any;
   view.triangle_count = static_cast<std::uint32_t>(shapes.triangles.size());

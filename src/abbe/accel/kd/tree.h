@@ -22,13 +22,13 @@ struct KdTreeConfig {
   std::uint32_t leaf_size = 1;   ///< Cells with so many primitives or fewer are never split.
   std::uint32_t max_depth = 64;  ///< Deepest leaf, at most 96.
   std::uint32_t bins = 64;       ///< Planes tried per axis in large cells, at most 256.
-  /// Cells with more references try planes at the borders of bins: within 1 % of the best split, in
-  /// a fraction of the time. Smaller ones try the sides of every primitive.
+  /// Cells of more primitives try planes at the borders of bins: within 1 % of the best split, in a
+  /// fraction of the time. Smaller ones try the sides of every primitive.
   std::uint32_t exact_limit = 256;
-  /// References per primitive that splits may make, or a million if that is more. A cell shares
-  /// what is left with its parts, so input that cannot be separated takes bounded memory and linear
-  /// time.
-  float max_references = 4.0f;
+  /// Parts that splits may make of a primitive, on average, or a million of them all if that is
+  /// more. A cell shares what is left with its halves, so input that cannot be separated takes
+  /// bounded memory and linear time.
+  float max_build_primitives = 4.0f;
 };
 
 /// A tree over a copy of the shapes' data; it does not refer to the spans after build().

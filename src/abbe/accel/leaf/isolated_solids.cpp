@@ -9,7 +9,7 @@ namespace abbe {
 namespace {
 
 // More pairs than this are not looked at: the search costs less than a hundredth of a build.
-constexpr std::size_t kMostPairs = 20'000'000;
+constexpr std::size_t kMaxPairs = 20'000'000;
 
 // Closer than this share of its size to a solid is touching it.
 constexpr double kClearance = 1e-5;
@@ -79,7 +79,7 @@ bool is_outside(const Ellipsoid& body, const Box3f& box) {
   return glm::length(place) - glm::length(reach) > 1.0 + kClearance;
 }
 
-bool is_lonely(const ShapeSpans& shapes, std::size_t solid) {
+bool is_isolated(const ShapeSpans& shapes, std::size_t solid) {
   const std::size_t ellipsoids = shapes.ellipsoids.size();
   const Ellipsoid* ellipsoid = solid < ellipsoids ? &shapes.ellipsoids[solid] : nullptr;
   const ConvexPolyhedron* polyhedron =
@@ -118,14 +118,14 @@ bool is_lonely(const ShapeSpans& shapes, std::size_t solid) {
 
 }  // namespace
 
-std::vector<std::uint8_t> find_lonely_solids(const ShapeSpans& shapes) {
+std::vector<std::uint8_t> find_isolated_solids(const ShapeSpans& shapes) {
   const std::size_t solids = shapes.ellipsoids.size() + shapes.polyhedra.size();
-  std::vector<std::uint8_t> lonely(solids, 0);
-  if (solids * shapes.primitive_count() > kMostPairs) return lonely;
+  std::vector<std::uint8_t> isolated(solids, 0);
+  if (solids * shapes.primitive_count() > kMaxPairs) return isolated;
   for (std::size_t solid = 0; solid < solids; ++solid) {
-    lonely[solid] = is_lonely(shapes, solid) ? 1 : 0;
+    isolated[solid] = is_isolated(shapes, solid) ? 1 : 0;
   }
-  return lonely;
+  return isolated;
 }
 
 }  // namespace abbe

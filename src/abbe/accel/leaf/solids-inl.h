@@ -23,13 +23,13 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Whether a ray or packet may meet anything in a box up to a distance.
-HWY_INLINE bool MeetsBox(const RayTube& tube, const Box3f& box, float t_far) {
+HWY_INLINE bool MeetsBox(const Beam& beam, const Box3f& box, float t_far) {
   const hn::FixedTag<float, 4> d;
   const auto low = hn::LoadU(d, &box.low.x);                        // And high.x.
   const auto high = hn::Shuffle0321(hn::LoadU(d, &box.low.x + 2));  // And low.z.
-  const auto below = hn::Load(d, tube.reciprocal), above = hn::Load(d, tube.reciprocal + 4);
-  const auto t_below = hn::Mul(hn::Sub(high, hn::Load(d, tube.origin)), below);
-  const auto t_above = hn::Mul(hn::Sub(low, hn::Load(d, tube.origin + 4)), above);
+  const auto below = hn::Load(d, beam.reciprocal), above = hn::Load(d, beam.reciprocal + 4);
+  const auto t_below = hn::Mul(hn::Sub(high, hn::Load(d, beam.origin)), below);
+  const auto t_above = hn::Mul(hn::Sub(low, hn::Load(d, beam.origin + 4)), above);
   const auto is_axis = hn::FirstN(d, 3);
   const auto least = hn::Set(d, -kInfinity), most = hn::Set(d, kInfinity);
   const auto enter = hn::Max(hn::IfNegativeThenElse(below, t_below, least),
@@ -145,8 +145,8 @@ HWY_INLINE void PolyhedronLanes(const Plane* planes, std::uint32_t count, const 
     const WideVec3 v = LoadVec3(p.direction, i);
     // As intersect_polyhedron() has it.
     const WideV one = hn::Set(d, 1.0);
-    WideV enter_way = hn::Neg(one), enter_slope = zero;
-    WideV leave_way = one, leave_slope = zero;
+    WideV enter_distance = hn::Neg(one), enter_slope = zero;
+    WideV leave_distance = one, leave_slope = zero;
     WideV enter_face = zero, leave_face = zero;
     auto is_outside = hn::Lt(zero, zero);
     for (std::uint32_t k = 0; k < count; ++k) {
@@ -155,19 +155,19 @@ HWY_INLINE void PolyhedronLanes(const Plane* planes, std::uint32_t count, const 
       const WideV distance = hn::Sub(hn::Set(d, planes[k].distance), DotWith(planes[k].normal, o));
       const WideV behind = hn::Neg(distance), away = hn::Neg(towards);
       is_outside = hn::Or(is_outside, hn::And(hn::Lt(distance, zero), hn::Ge(towards, zero)));
-      const auto enters = hn::And(hn::Lt(towards, zero),
-                                  hn::Gt(hn::Mul(behind, enter_slope), hn::Mul(enter_way, away)));
+      const auto enters = hn::And(hn::Lt(towards, zero), hn::Gt(hn::Mul(behind, enter_slope),
+                                                                hn::Mul(enter_distance, away)));
       const auto leaves = hn::And(hn::Gt(towards, zero), hn::Lt(hn::Mul(distance, leave_slope),
-                                                                hn::Mul(leave_way, towards)));
-      enter_way = hn::IfThenElse(enters, behind, enter_way);
+                                                                hn::Mul(leave_distance, towards)));
+      enter_distance = hn::IfThenElse(enters, behind, enter_distance);
       enter_slope = hn::IfThenElse(enters, away, enter_slope);
       enter_face = hn::IfThenElse(enters, index, enter_face);
-      leave_way = hn::IfThenElse(leaves, distance, leave_way);
+      leave_distance = hn::IfThenElse(leaves, distance, leave_distance);
       leave_slope = hn::IfThenElse(leaves, towards, leave_slope);
       leave_face = hn::IfThenElse(leaves, index, leave_face);
     }
-    const WideV enter = hn::Div(enter_way, enter_slope);
-    const WideV leave = hn::Div(leave_way, leave_slope);
+    const WideV enter = hn::Div(enter_distance, enter_slope);
+    const WideV leave = hn::Div(leave_distance, leave_slope);
     const auto is_met = hn::AndNot(is_outside, hn::Le(enter, leave));
     const auto root = FirstRoot(hn::IfThenElse(is_met, enter, never), never);
     const auto from_inside = FirstRoot(hn::IfThenElse(is_met, leave, never), never);
@@ -214,7 +214,7 @@ HWY_INLINE void SolidLanes(const KdView& view, std::uint32_t primitive,
 
 // What rays inside a solid meet that nothing else reaches into: the solid. Returns false, with
 // nothing written, when a lane does not meet it: its start was not inside after all.
-HWY_INLINE bool LeaveLonelySolid(const KdView& view, const RayPacket& packet, HitPacket& hits) {
+HWY_INLINE bool LeaveIsolatedSolid(const KdView& view, const RayPacket& packet, HitPacket& hits) {
   alignas(64) float ts[kPacketLanes];
   alignas(64) float faces[kPacketLanes] = {};
   const LaneRays<kPacketLanes> rays{{packet.origin_x, packet.origin_y, packet.origin_z},
@@ -243,7 +243,7 @@ HWY_INLINE bool LeaveLonelySolid(const KdView& view, const RayPacket& packet, Hi
 template <int kLanes>
 HWY_INLINE std::uint32_t TestSolidLanes(const KdView& view, std::uint32_t primitive,
                                         PacketState<kLanes>& p) {
-  if (!MeetsBox(p.tube, BoundsOfSolid(view, primitive), p.farthest)) return 0;
+  if (!MeetsBox(p.beam, BoundsOfSolid(view, primitive), p.farthest)) return 0;
   const LaneRays<kLanes> rays{{p.origin[0], p.origin[1], p.origin[2]},
                               {p.direction[0], p.direction[1], p.direction[2]}};
   const std::uint32_t ellipsoids_end = view.triangle_count + view.ellipsoid_count;

@@ -39,8 +39,8 @@ std::optional<SolidHit> intersect_polyhedron(const Ray& ray, std::span<const Pla
   const Vec3d o(ray.origin);
   const Vec3d d(ray.direction);
   // Distances are compared as fractions, so that only two are divided.
-  double enter_way = -1.0, enter_slope = 0.0;
-  double leave_way = 1.0, leave_slope = 0.0;
+  double enter_distance = -1.0, enter_slope = 0.0;
+  double leave_distance = 1.0, leave_slope = 0.0;
   std::uint32_t enter_face = 0;
   std::uint32_t leave_face = 0;
   for (std::uint32_t i = 0; i < planes.size(); ++i) {
@@ -49,19 +49,19 @@ std::optional<SolidHit> intersect_polyhedron(const Ray& ray, std::span<const Pla
     // Beyond the plane, and not on the way back to it.
     if (distance < 0.0 && towards >= 0.0) return std::nullopt;
     if (towards < 0.0) {
-      if (-distance * enter_slope > enter_way * -towards) {
-        enter_way = -distance;
+      if (-distance * enter_slope > enter_distance * -towards) {
+        enter_distance = -distance;
         enter_slope = -towards;
         enter_face = i;
       }
-    } else if (distance * leave_slope < leave_way * towards) {
-      leave_way = distance;
+    } else if (distance * leave_slope < leave_distance * towards) {
+      leave_distance = distance;
       leave_slope = towards;
       leave_face = i;
     }
   }
-  const double enter = enter_way / enter_slope;
-  const double leave = leave_way / leave_slope;
+  const double enter = enter_distance / enter_slope;
+  const double leave = leave_distance / leave_slope;
   if (!(enter <= leave)) return std::nullopt;
   if (is_inside(enter, ray.t_max)) return SolidHit{enter, enter_face};
   if (is_inside(leave, ray.t_max)) return SolidHit{leave, leave_face};

@@ -17,19 +17,19 @@
 namespace abbe {
 namespace {
 
-// Cells with more references are split into parallel tasks, each with memory of its own.
+// Cells with more primitives are split into parallel tasks, each with memory of its own.
 constexpr std::size_t kTaskLimit = 8192;
 // A leaf of sixteen triangles seldom shares sixteen vertices; one of fourteen mostly does, if
 // three or more triangles meet in each.
 constexpr std::uint32_t kSharedBlockTriangles = 14;
 constexpr double kSharingTriangles = 3.0;
-// Small scenes may duplicate freely: so many references cost 40 MB.
-constexpr std::size_t kFreeReferences = std::size_t{1} << 20;
+// Small scenes may duplicate freely: so many primitives cost 40 MB.
+constexpr std::size_t kFreePrimitives = std::size_t{1} << 20;
 
 struct Job {
   Box3f cell;
   std::uint32_t depth = 0;
-  std::size_t added_budget = 0;  ///< References this subtree may have beyond those it begins with.
+  std::size_t added_budget = 0;  ///< Primitives this subtree may have beyond those it begins with.
 };
 
 std::pair<Job, Job> split_job(const Job& job, const Split& split, std::size_t count,
@@ -48,20 +48,20 @@ std::pair<Job, Job> split_job(const Job& job, const Split& split, std::size_t co
   return {low, high};
 }
 
-/// Builds one subtree on one thread, its references on one stack.
+/// Builds one subtree on one thread, its primitives on one stack.
 class SubtreeBuilder {
  public:
   SubtreeBuilder(const ShapeSpans& shapes, const KdTreeConfig& config)
       : shapes_(shapes), config_(config), finder_(shapes, config) {}
 
-  BuildTree build(std::vector<BuildReference> references, const Job& job) {
-    stack_ = std::move(references);
+  BuildTree build(std::vector<BuildPrimitive> primitives, const Job& job) {
+    stack_ = std::move(primitives);
     build_range(0, job);
     return std::move(tree_);
   }
 
  private:
-  // Builds the subtree of the references from `first` to the top of the stack.
+  // Builds the subtree of the primitives from `first` to the top of the stack.
   std::uint32_t build_range(std::size_t first, const Job& job) {
     const std::size_t count = stack_.size() - first;
     const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
@@ -85,18 +85,18 @@ class SubtreeBuilder {
     high_cell.low[split->axis] = split->plane;
     std::size_t kept = first;
     for (std::size_t i = first; i < first + count; ++i) {
-      const BuildReference r = stack_[i];
-      const bool below = split->goes_below(r);
-      const bool above = split->goes_above(r);
+      const BuildPrimitive p = stack_[i];
+      const bool below = split->goes_below(p);
+      const bool above = split->goes_above(p);
       if (below && above) {
-        BuildReference part = r;
-        if (clip_reference(shapes_, high_cell, part)) stack_.push_back(part);
-        part = r;
-        if (clip_reference(shapes_, low_cell, part)) stack_[kept++] = part;
+        BuildPrimitive part = p;
+        if (clip_to_cell(shapes_, high_cell, part)) stack_.push_back(part);
+        part = p;
+        if (clip_to_cell(shapes_, low_cell, part)) stack_[kept++] = part;
       } else if (above) {
-        stack_.push_back(r);
+        stack_.push_back(p);
       } else {
-        stack_[kept++] = r;
+        stack_[kept++] = p;
       }
     }
     const std::size_t below_count = kept - first;
@@ -112,7 +112,7 @@ class SubtreeBuilder {
   const ShapeSpans& shapes_;
   const KdTreeConfig& config_;
   SplitFinder finder_;
-  std::vector<BuildReference> stack_;
+  std::vector<BuildPrimitive> stack_;
   BuildTree tree_;
 };
 
@@ -124,31 +124,31 @@ struct Branch {
 };
 
 std::unique_ptr<Branch> build_branch(const ShapeSpans& shapes, const KdTreeConfig& config,
-                                     std::vector<BuildReference> references, const Job& job) {
+                                     std::vector<BuildPrimitive> primitives, const Job& job) {
   auto branch = std::make_unique<Branch>();
   std::optional<Split> split;
-  if (references.size() > kTaskLimit && job.depth < config.max_depth) {
-    split = SplitFinder(shapes, config).find(references, job.cell, job.added_budget);
+  if (primitives.size() > kTaskLimit && job.depth < config.max_depth) {
+    split = SplitFinder(shapes, config).find(primitives, job.cell, job.added_budget);
   }
   if (!split) {
-    branch->subtree = SubtreeBuilder(shapes, config).build(std::move(references), job);
+    branch->subtree = SubtreeBuilder(shapes, config).build(std::move(primitives), job);
     return branch;
   }
   Box3f low_cell = job.cell;
   Box3f high_cell = job.cell;
   low_cell.high[split->axis] = split->plane;
   high_cell.low[split->axis] = split->plane;
-  std::vector<BuildReference> low, high;
-  for (const BuildReference& r : references) {
-    const bool below = split->goes_below(r);
-    const bool above = split->goes_above(r);
-    BuildReference part = r;
-    if (below && (!above || clip_reference(shapes, low_cell, part))) low.push_back(part);
-    part = r;
-    if (above && (!below || clip_reference(shapes, high_cell, part))) high.push_back(part);
+  std::vector<BuildPrimitive> low, high;
+  for (const BuildPrimitive& p : primitives) {
+    const bool below = split->goes_below(p);
+    const bool above = split->goes_above(p);
+    BuildPrimitive part = p;
+    if (below && (!above || clip_to_cell(shapes, low_cell, part))) low.push_back(part);
+    part = p;
+    if (above && (!below || clip_to_cell(shapes, high_cell, part))) high.push_back(part);
   }
-  const auto jobs = split_job(job, *split, references.size(), low.size(), high.size());
-  std::vector<BuildReference>().swap(references);
+  const auto jobs = split_job(job, *split, primitives.size(), low.size(), high.size());
+  std::vector<BuildPrimitive>().swap(primitives);
   branch->split = *split;
   oneapi::tbb::parallel_invoke(
       [&] { branch->below = build_branch(shapes, config, std::move(low), jobs.first); },
@@ -191,25 +191,25 @@ BuildTree build_kd_tree(const ShapeSpans& shapes, const KdTreeConfig& given_conf
         triangles_per_vertex(shapes) < kSharingTriangles ? kBlockTriangles : kSharedBlockTriangles;
   }
   const std::size_t count = shapes.primitive_count();
-  std::vector<BuildReference> references(count);
+  std::vector<BuildPrimitive> primitives(count);
   parallel_for(0, count, 4096, [&](std::size_t i) {
-    references[i] = make_reference(shapes, static_cast<std::uint32_t>(i));
+    primitives[i] = make_build_primitive(shapes, static_cast<std::uint32_t>(i));
   });
   BuildTree tree;
-  for (const BuildReference& r : references) {
-    tree.bounds.extend(Vec3f(r.low[0], r.low[1], r.low[2]));
-    tree.bounds.extend(Vec3f(r.high[0], r.high[1], r.high[2]));
+  for (const BuildPrimitive& p : primitives) {
+    tree.bounds.extend(Vec3f(p.low[0], p.low[1], p.low[2]));
+    tree.bounds.extend(Vec3f(p.high[0], p.high[1], p.high[2]));
   }
   if (count == 0) {
     tree.nodes.emplace_back();
     return tree;
   }
   const double allowed =
-      std::max(static_cast<double>(config.max_references) * static_cast<double>(count),
-               static_cast<double>(kFreeReferences));
+      std::max(static_cast<double>(config.max_build_primitives) * static_cast<double>(count),
+               static_cast<double>(kFreePrimitives));
   const Job job{tree.bounds, 0,
                 static_cast<std::size_t>(std::max(allowed - static_cast<double>(count), 0.0))};
-  const auto root = build_branch(shapes, config, std::move(references), job);
+  const auto root = build_branch(shapes, config, std::move(primitives), job);
   append_branch(*root, tree);
   return tree;
 }

@@ -16,9 +16,9 @@ using FewTag = hn::CappedTag<float, 16>;
 using FewVec = hn::Vec<FewTag>;
 using FewMask = hn::Mask<FewTag>;
 
-// The lower and then the upper sides of the references along an axis, and infinity behind them.
+// The lower and then the upper sides of the primitives along an axis, and infinity behind them.
 struct alignas(64) Sides {
-  float at[2 * kFewReferences + 2 * 16];
+  float at[2 * kFewPrimitives + 2 * 16];
   bool has_planar = false;
 };
 
@@ -48,7 +48,7 @@ class LaneCosts {
     const auto low = hn::Set(d, cell_.box.low[axis_]);
     const auto high = hn::Set(d, cell_.box.high[axis_]);
     const auto inside = hn::And(hn::Gt(plane, low), hn::Lt(plane, high));
-    const auto most = hn::Set(d, static_cast<float>(cell_.most_parts));
+    const auto most = hn::Set(d, static_cast<float>(cell_.max_parts));
     const auto valid = hn::And(inside, hn::Le(hn::Add(below, above), most));
     const auto cost = hn::Add(
         hn::Add(hn::Set(d, cell_.traversal_cost), hn::Mul(share(hn::Sub(plane, low)), leaf(below))),
@@ -89,7 +89,7 @@ struct LaneCount {
   HWY_INLINE FewVec value() const { return hn::ConvertTo(FewTag(), n); }
 };
 
-// References that are flat in the planes of the lanes.
+// Primitives that are flat in the planes of the lanes.
 HWY_INLINE FewVec CountPlanar(const Sides& sides, std::size_t count, FewVec plane) {
   const FewTag d;
   LaneCount in_plane{hn::Zero(LaneCount::Int())};
@@ -107,7 +107,7 @@ HWY_INLINE void SearchAxis(const Sides& sides, std::size_t count, int axis, SahC
   const LaneCosts costs(cell, axis);
   BestOfLanes best{hn::Set(d, cell.best.cost), hn::Set(d, -kInfinity),
                    hn::Eq(hn::Zero(d), hn::Set(d, 1.0f))};
-  // Two vectors of planes at a time: each reference is loaded for both.
+  // Two vectors of planes at a time: each primitive is loaded for both.
   for (std::size_t p = 0; p < 2 * count; p += 2 * kStep) {
     const auto plane = hn::Load(d, sides.at + p);
     const auto plane_2 = hn::Load(d, sides.at + p + kStep);
@@ -141,12 +141,12 @@ HWY_INLINE void SearchAxis(const Sides& sides, std::size_t count, int axis, SahC
   cell.found = true;
 }
 
-void SearchFew(std::span<const BuildReference> references, SahCell& cell) {
-  const std::size_t count = references.size();
+void SearchFew(std::span<const BuildPrimitive> primitives, SahCell& cell) {
+  const std::size_t count = primitives.size();
   Sides sides[3];
   for (std::size_t i = 0; i < count; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      const float low = references[i].low[axis], high = references[i].high[axis];
+      const float low = primitives[i].low[axis], high = primitives[i].high[axis];
       sides[axis].at[i] = low;
       sides[axis].at[count + i] = high;
       sides[axis].has_planar |= low == high;
@@ -168,8 +168,8 @@ namespace {
 HWY_EXPORT(SearchFew);
 }  // namespace
 
-void search_few(std::span<const BuildReference> references, SahCell& cell) {
-  HWY_DYNAMIC_DISPATCH(SearchFew)(references, cell);
+void search_few(std::span<const BuildPrimitive> primitives, SahCell& cell) {
+  HWY_DYNAMIC_DISPATCH(SearchFew)(primitives, cell);
 }
 
 }  // namespace abbe

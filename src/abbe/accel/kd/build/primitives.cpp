@@ -44,7 +44,7 @@ void clip_polygon(Polygon& polygon, int axis, double bound, double side) {
 
 }  // namespace
 
-BuildReference make_reference(const ShapeSpans& shapes, std::uint32_t primitive) {
+BuildPrimitive make_build_primitive(const ShapeSpans& shapes, std::uint32_t primitive) {
   Box3f box;
   std::size_t i = primitive;
   if (i < shapes.triangles.size()) {
@@ -57,20 +57,19 @@ BuildReference make_reference(const ShapeSpans& shapes, std::uint32_t primitive)
   return {{box.low.x, box.low.y, box.low.z}, {box.high.x, box.high.y, box.high.z}, primitive};
 }
 
-bool clip_reference(const ShapeSpans& shapes, const Box3f& cell, BuildReference& reference) {
-  if (reference.primitive < shapes.triangles.size()) {
-    const Triangle& triangle = shapes.triangles[reference.primitive];
+bool clip_to_cell(const ShapeSpans& shapes, const Box3f& cell, BuildPrimitive& part) {
+  if (part.primitive < shapes.triangles.size()) {
+    const Triangle& triangle = shapes.triangles[part.primitive];
     Polygon polygon;
     polygon.count = 3;
     for (int c = 0; c < 3; ++c) {
       const Vec3f& position = shapes.positions[triangle[static_cast<std::size_t>(c)]];
       for (int k = 0; k < 3; ++k) polygon.corner[c][k] = static_cast<double>(position[k]);
     }
-    // The reference's box remembers the sides of the cells further up.
+    // The part's box remembers the sides of the cells further up.
     for (int k = 0; k < 3; ++k) {
-      clip_polygon(polygon, k, static_cast<double>(std::max(reference.low[k], cell.low[k])), 1.0);
-      clip_polygon(polygon, k, static_cast<double>(std::min(reference.high[k], cell.high[k])),
-                   -1.0);
+      clip_polygon(polygon, k, static_cast<double>(std::max(part.low[k], cell.low[k])), 1.0);
+      clip_polygon(polygon, k, static_cast<double>(std::min(part.high[k], cell.high[k])), -1.0);
     }
     if (polygon.count == 0) return false;
     for (int k = 0; k < 3; ++k) {
@@ -80,14 +79,14 @@ bool clip_reference(const ShapeSpans& shapes, const Box3f& cell, BuildReference&
         low = std::min(low, polygon.corner[c][k]);
         high = std::max(high, polygon.corner[c][k]);
       }
-      reference.low[k] = std::max(reference.low[k], round_down(low));
-      reference.high[k] = std::min(reference.high[k], round_up(high));
+      part.low[k] = std::max(part.low[k], round_down(low));
+      part.high[k] = std::min(part.high[k], round_up(high));
     }
   }
   for (int k = 0; k < 3; ++k) {
-    reference.low[k] = std::max(reference.low[k], cell.low[k]);
-    reference.high[k] = std::min(reference.high[k], cell.high[k]);
-    if (reference.low[k] > reference.high[k]) return false;
+    part.low[k] = std::max(part.low[k], cell.low[k]);
+    part.high[k] = std::min(part.high[k], cell.high[k]);
+    if (part.low[k] > part.high[k]) return false;
   }
   return true;
 }

@@ -7,18 +7,19 @@
 
 namespace abbe {
 
-struct BuildReference {
+/// A part of a primitive: its box, rounded outwards, and whose it is.
+struct BuildPrimitive {
   float low[3];
   float high[3];
   std::uint32_t primitive;
 };
 
 /// The box of a whole primitive.
-BuildReference make_reference(const ShapeSpans& shapes, std::uint32_t primitive);
+BuildPrimitive make_build_primitive(const ShapeSpans& shapes, std::uint32_t primitive);
 
-/// Narrows `reference` to the part of its primitive inside the cell, whose box it must overlap.
+/// Narrows `part` to the part of its primitive inside the cell, whose box it must overlap.
 /// Triangles are clipped exactly, solids by their box. The box is rounded outwards but never leaves
 /// the cell. Returns false when nothing of the primitive is inside.
-bool clip_reference(const ShapeSpans& shapes, const Box3f& cell, BuildReference& reference);
+bool clip_to_cell(const ShapeSpans& shapes, const Box3f& cell, BuildPrimitive& part);
 
 }  // namespace abbe

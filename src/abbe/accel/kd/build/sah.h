@@ -15,16 +15,16 @@ struct Split {
   bool planar_below = true;  ///< Where primitives that lie in the plane go.
   float cost = 0.0f;
 
-  bool goes_below(const BuildReference& r) const {
-    return r.low[axis] < plane || (is_planar(r) && planar_below);
+  bool goes_below(const BuildPrimitive& p) const {
+    return p.low[axis] < plane || (is_planar(p) && planar_below);
   }
-  bool goes_above(const BuildReference& r) const {
-    return r.high[axis] > plane || (is_planar(r) && !planar_below);
+  bool goes_above(const BuildPrimitive& p) const {
+    return p.high[axis] > plane || (is_planar(p) && !planar_below);
   }
 
  private:
-  bool is_planar(const BuildReference& r) const {
-    return r.low[axis] == plane && r.high[axis] == plane;
+  bool is_planar(const BuildPrimitive& p) const {
+    return p.low[axis] == plane && p.high[axis] == plane;
   }
 };
 
@@ -32,29 +32,29 @@ struct Split {
 struct SahCell {
   float traversal_cost, block_cost, empty_factor;
   Box3f box;
-  std::size_t count;       ///< References in the cell.
-  std::size_t most_parts;  ///< Of both sides together.
+  std::size_t count;      ///< Primitives in the cell.
+  std::size_t max_parts;  ///< Of both sides together.
   std::size_t block_size;
-  float solid_share;  ///< Of the references, taken to be the same on both sides of a plane.
+  float solid_share;  ///< Of the primitives, taken to be the same on both sides of a plane.
   Vec3f size;
   float inverse_area;
   Split best;  ///< Not split: the cost of a leaf.
   bool found = false;
 
-  SahCell(const KdTreeConfig& config, const Box3f& cell, std::size_t references,
+  SahCell(const KdTreeConfig& config, const Box3f& cell, std::size_t primitives,
           std::size_t max_added, float solids)
       : traversal_cost(config.traversal_cost),
         block_cost(config.block_cost),
         empty_factor(1.0f - config.empty_bonus),
         box(cell),
-        count(references),
-        most_parts(references + max_added),
+        count(primitives),
+        max_parts(primitives + max_added),
         block_size(std::max(config.block_size, 1u)),
         solid_share(solids),
         size(cell.size()) {
     const float half_area = size.x * size.y + size.y * size.z + size.z * size.x;
     inverse_area = half_area > 0.0f ? 1.0f / half_area : 0.0f;
-    best.cost = leaf_cost(references);
+    best.cost = leaf_cost(primitives);
   }
 
   /// A block of triangles costs as much as one of them, a solid as much as a block.
@@ -70,7 +70,7 @@ struct SahCell {
   /// Takes the plane if it is inside the cell and cheaper than the best so far.
   void rate(int axis, float plane, std::size_t below, std::size_t above, bool planar_below) {
     if (!(plane > box.low[axis] && plane < box.high[axis])) return;
-    if (below + above > most_parts) return;
+    if (below + above > max_parts) return;
     const float p_below = (side(axis) + (plane - box.low[axis]) * rim(axis)) * inverse_area;
     const float p_above = (side(axis) + (box.high[axis] - plane) * rim(axis)) * inverse_area;
     float cost = traversal_cost + p_below * leaf_cost(below) + p_above * leaf_cost(above);

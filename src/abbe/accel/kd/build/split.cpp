@@ -27,34 +27,34 @@ void sort_floats(std::vector<float>& values) {
 
 }  // namespace
 
-void SplitFinder::search_binned(std::span<const BuildReference> references, SahCell& cell) const {
+void SplitFinder::search_binned(std::span<const BuildPrimitive> primitives, SahCell& cell) const {
   const auto bin_count = static_cast<int>(std::clamp(config_.bins, 2u, kMaxBins));
   std::array<float, 3> low, high, scale;
   for (std::size_t k = 0; k < 3; ++k) {
     low[k] = kInfinity;
     high[k] = -kInfinity;
-    for (const BuildReference& r : references) {
-      low[k] = std::min(low[k], r.low[k]);
-      high[k] = std::max(high[k], r.high[k]);
+    for (const BuildPrimitive& p : primitives) {
+      low[k] = std::min(low[k], p.low[k]);
+      high[k] = std::max(high[k], p.high[k]);
     }
     scale[k] = high[k] > low[k] ? static_cast<float>(bin_count) / (high[k] - low[k]) : 0.0f;
   }
   std::array<AxisBins, 3> bins;
-  for (const BuildReference& r : references) {
+  for (const BuildPrimitive& p : primitives) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const int start = static_cast<int>((r.low[k] - low[k]) * scale[k]);
-      const int end = static_cast<int>((r.high[k] - low[k]) * scale[k]);
+      const int start = static_cast<int>((p.low[k] - low[k]) * scale[k]);
+      const int end = static_cast<int>((p.high[k] - low[k]) * scale[k]);
       ++bins[k].starts[static_cast<std::size_t>(std::clamp(start, 0, bin_count - 1))];
       ++bins[k].ends[static_cast<std::size_t>(std::clamp(end, 0, bin_count - 1))];
     }
   }
   for (std::size_t k = 0; k < 3; ++k) {
     const int axis = static_cast<int>(k);
-    cell.rate(axis, low[k], 0, references.size(), false);
-    cell.rate(axis, high[k], references.size(), 0, true);
+    cell.rate(axis, low[k], 0, primitives.size(), false);
+    cell.rate(axis, high[k], primitives.size(), 0, true);
     if (scale[k] == 0.0f) continue;
     std::size_t below = 0;
-    std::size_t above = references.size();
+    std::size_t above = primitives.size();
     for (std::size_t b = 1; b < static_cast<std::size_t>(bin_count); ++b) {
       below += bins[k].starts[b - 1];
       above -= bins[k].ends[b - 1];
@@ -63,15 +63,15 @@ void SplitFinder::search_binned(std::span<const BuildReference> references, SahC
   }
 }
 
-void SplitFinder::search_exact(std::span<const BuildReference> references, int axis,
+void SplitFinder::search_exact(std::span<const BuildPrimitive> primitives, int axis,
                                SahCell& cell) {
-  const std::size_t n = references.size();
+  const std::size_t n = primitives.size();
   lows_.resize(n);
   highs_.resize(n);
   planar_.clear();
   for (std::size_t i = 0; i < n; ++i) {
-    lows_[i] = references[i].low[axis];
-    highs_[i] = references[i].high[axis];
+    lows_[i] = primitives[i].low[axis];
+    highs_[i] = primitives[i].high[axis];
     if (lows_[i] == highs_[i]) planar_.push_back(lows_[i]);
   }
   sort_floats(lows_);
@@ -93,22 +93,22 @@ void SplitFinder::search_exact(std::span<const BuildReference> references, int a
   }
 }
 
-std::optional<Split> SplitFinder::find(std::span<const BuildReference> references,
+std::optional<Split> SplitFinder::find(std::span<const BuildPrimitive> primitives,
                                        const Box3f& cell, std::size_t max_added) {
-  if (references.size() <= config_.leaf_size) return std::nullopt;
+  if (primitives.size() <= config_.leaf_size) return std::nullopt;
   const auto solids =
-      std::count_if(references.begin(), references.end(),
-                    [&](const BuildReference& r) { return r.primitive >= triangle_count_; });
-  const float share = references.empty()
+      std::count_if(primitives.begin(), primitives.end(),
+                    [&](const BuildPrimitive& p) { return p.primitive >= triangle_count_; });
+  const float share = primitives.empty()
                           ? 0.0f
-                          : static_cast<float>(solids) / static_cast<float>(references.size());
-  SahCell sah(config_, cell, references.size(), max_added, share);
-  if (references.size() > config_.exact_limit) {
-    search_binned(references, sah);
-  } else if (references.size() <= kFewReferences) {
-    search_few(references, sah);
+                          : static_cast<float>(solids) / static_cast<float>(primitives.size());
+  SahCell sah(config_, cell, primitives.size(), max_added, share);
+  if (primitives.size() > config_.exact_limit) {
+    search_binned(primitives, sah);
+  } else if (primitives.size() <= kFewPrimitives) {
+    search_few(primitives, sah);
   } else {
-    for (int axis = 0; axis < 3; ++axis) search_exact(references, axis, sah);
+    for (int axis = 0; axis < 3; ++axis) search_exact(primitives, axis, sah);
   }
   if (!sah.found) return std::nullopt;
   return sah.best;

@@ -16,13 +16,13 @@ class SplitFinder {
   SplitFinder(const ShapeSpans& shapes, const KdTreeConfig& config)
       : triangle_count_(shapes.triangles.size()), config_(config) {}
 
-  /// The cheapest split that adds at most `max_added` references, if any is cheaper than a leaf.
-  std::optional<Split> find(std::span<const BuildReference> references, const Box3f& cell,
+  /// The cheapest split that adds at most `max_added` primitives, if any is cheaper than a leaf.
+  std::optional<Split> find(std::span<const BuildPrimitive> primitives, const Box3f& cell,
                             std::size_t max_added);
 
  private:
-  void search_binned(std::span<const BuildReference> references, SahCell& cell) const;
-  void search_exact(std::span<const BuildReference> references, int axis, SahCell& cell);
+  void search_binned(std::span<const BuildPrimitive> primitives, SahCell& cell) const;
+  void search_exact(std::span<const BuildPrimitive> primitives, int axis, SahCell& cell);
 
   std::size_t triangle_count_;
   KdTreeConfig config_;

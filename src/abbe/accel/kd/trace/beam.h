@@ -19,18 +19,18 @@ namespace abbe {
 /// The triangle test finds hits up to 3 ulp of the distance beside the triangle, so a cell counts
 /// as met when the ray passes it by 8 ulp of the largest distance in the scene. This replaces
 /// bounds that are expanded at build, and holds for origins far outside the scene too.
-struct alignas(32) RayTube {
+struct alignas(32) Beam {
   float origin[8];      ///< Lower bound: 0 to 2 for x, y, z; upper bound: 4 to 6.
   float reciprocal[8];  ///< Of the direction, laid out alike.
   float t_near = 0.0f;
   float t_far = 0.0f;  ///< Below t_near when the ray misses the bounds.
 };
 
-inline constexpr float kTubeSlack = 0x1p-21f;
+inline constexpr float kBeamSlack = 0x1p-21f;
 
-/// One axis of a tube: origins and directions between the given bounds; `reach` is the largest
+/// One axis of a beam: origins and directions between the given bounds; `reach` is the largest
 /// distance along any axis from an origin to the scene, `longest` the largest direction component.
-inline void set_tube_axis(RayTube& tube, int axis, float origin_low, float origin_high,
+inline void set_beam_axis(Beam& beam, int axis, float origin_low, float origin_high,
                           float direction_low, float direction_high, float reach, float longest) {
   // A component this small moves the ray by less than the slack; it must only not be zero.
   const float tiny = std::max(longest * 1e-18f, 1e-37f);
@@ -39,29 +39,29 @@ inline void set_tube_axis(RayTube& tube, int axis, float origin_low, float origi
   if (std::abs(low) < tiny) low = -tiny;
   if (std::abs(high) < tiny) high = tiny;
   const float ulp = 0x1p-23f * std::max(std::abs(origin_low), std::abs(origin_high));
-  const float width = std::max(reach * kTubeSlack, ulp);
-  tube.origin[axis] = origin_low - width;
-  tube.origin[4 + axis] = origin_high + width;
-  tube.reciprocal[axis] = (1.0f / low) * (low > 0.0f ? 1.0f + kTubeSlack : 1.0f - kTubeSlack);
-  tube.reciprocal[4 + axis] = (1.0f / high) * (high < 0.0f ? 1.0f + kTubeSlack : 1.0f - kTubeSlack);
+  const float width = std::max(reach * kBeamSlack, ulp);
+  beam.origin[axis] = origin_low - width;
+  beam.origin[4 + axis] = origin_high + width;
+  beam.reciprocal[axis] = (1.0f / low) * (low > 0.0f ? 1.0f + kBeamSlack : 1.0f - kBeamSlack);
+  beam.reciprocal[4 + axis] = (1.0f / high) * (high < 0.0f ? 1.0f + kBeamSlack : 1.0f - kBeamSlack);
 }
 
-/// Limits the tube to the bounds of the scene and to (0, t_max].
-inline void clip_tube(RayTube& tube, const Box3f& bounds, float t_max) {
-  tube.t_near = 0.0f;
-  tube.t_far = t_max;
+/// Limits the beam to the bounds of the scene and to (0, t_max].
+inline void clip_beam(Beam& beam, const Box3f& bounds, float t_max) {
+  beam.t_near = 0.0f;
+  beam.t_far = t_max;
   for (int k = 0; k < 3; ++k) {
-    const float below = (bounds.high[k] - tube.origin[k]) * tube.reciprocal[k];
-    const float above = (bounds.low[k] - tube.origin[4 + k]) * tube.reciprocal[4 + k];
-    if (tube.reciprocal[k] > 0.0f) {
-      tube.t_far = std::min(tube.t_far, below);
+    const float below = (bounds.high[k] - beam.origin[k]) * beam.reciprocal[k];
+    const float above = (bounds.low[k] - beam.origin[4 + k]) * beam.reciprocal[4 + k];
+    if (beam.reciprocal[k] > 0.0f) {
+      beam.t_far = std::min(beam.t_far, below);
     } else {
-      tube.t_near = std::max(tube.t_near, below);
+      beam.t_near = std::max(beam.t_near, below);
     }
-    if (tube.reciprocal[4 + k] > 0.0f) {
-      tube.t_near = std::max(tube.t_near, above);
+    if (beam.reciprocal[4 + k] > 0.0f) {
+      beam.t_near = std::max(beam.t_near, above);
     } else {
-      tube.t_far = std::min(tube.t_far, above);
+      beam.t_far = std::min(beam.t_far, above);
     }
   }
 }
@@ -76,17 +76,17 @@ inline float reach_of(const Box3f& bounds, const Vec3f& point) {
   return reach;
 }
 
-inline RayTube make_tube(const Ray& ray, const Box3f& bounds) {
-  RayTube tube;
+inline Beam make_beam(const Ray& ray, const Box3f& bounds) {
+  Beam beam;
   const float reach = reach_of(bounds, ray.origin);
   const float longest =
       std::max({std::abs(ray.direction.x), std::abs(ray.direction.y), std::abs(ray.direction.z)});
   for (int k = 0; k < 3; ++k) {
-    set_tube_axis(tube, k, ray.origin[k], ray.origin[k], ray.direction[k], ray.direction[k], reach,
+    set_beam_axis(beam, k, ray.origin[k], ray.origin[k], ray.direction[k], ray.direction[k], reach,
                   longest);
   }
-  clip_tube(tube, bounds, ray.t_max);
-  return tube;
+  clip_beam(beam, bounds, ray.t_max);
+  return beam;
 }
 
 }  // namespace abbe

@@ -23,7 +23,7 @@ void RaysAny(const KdView& view, const Ray* rays, std::size_t count, VisibilityM
 }
 
 // Lanes that left their packets, waiting to be traced as a stream.
-struct Stragglers {
+struct LeftoverRays {
   static constexpr std::size_t kCapacity = 512;
   std::size_t count = 0;
   std::size_t packet[kCapacity];
@@ -50,8 +50,8 @@ struct Stragglers {
   }
 };
 
-struct ClosestOfStragglers {
-  const Stragglers& from;
+struct ClosestOfLeftover {
+  const LeftoverRays& from;
   HitPacket* hits;
   std::size_t count;
   HWY_INLINE const Ray& ray(std::size_t i) const { return from.rays[i]; }
@@ -66,8 +66,8 @@ struct ClosestOfStragglers {
   }
 };
 
-struct AnyOfStragglers {
-  const Stragglers& from;
+struct AnyOfLeftover {
+  const LeftoverRays& from;
   std::uint32_t* occluded;
   std::size_t count;
   HWY_INLINE const Ray& ray(std::size_t i) const { return from.rays[i]; }
@@ -112,7 +112,7 @@ struct ClosestSink {
   const KdView& view;
   VisibilityMask mask;
   HitPacket* hits;
-  Stragglers stragglers;
+  LeftoverRays leftover;
 
   ClosestSink(const KdView& v, VisibilityMask m, HitPacket* h) : view(v), mask(m), hits(h) {}
 
@@ -126,7 +126,7 @@ struct ClosestSink {
   }
   // Whether the answers are known without a search.
   HWY_INLINE bool answer_inside(const RayPacket& packet, std::size_t index) {
-    return view.is_visible(packet.inside, mask) && LeaveLonelySolid(view, packet, hits[index]);
+    return view.is_visible(packet.inside, mask) && LeaveIsolatedSolid(view, packet, hits[index]);
   }
   // What the lanes of a packet met before, if it is a part of one.
   HWY_INLINE const HitPacket* found(std::size_t index) const { return hits + index; }
@@ -141,12 +141,12 @@ struct ClosestSink {
     StoreAnswers(from, first, lanes, hits[index]);
   }
   HWY_INLINE void trace_alone(const RayPacket& packet, std::size_t index, std::uint32_t lanes) {
-    stragglers.add(packet, index, lanes, hits + index);
-    if (stragglers.is_full()) flush();
+    leftover.add(packet, index, lanes, hits + index);
+    if (leftover.is_full()) flush();
   }
   HWY_NOINLINE void flush() {
-    TraceStream<false>(view, mask, ClosestOfStragglers{stragglers, hits, stragglers.count});
-    stragglers.count = 0;
+    TraceStream<false>(view, mask, ClosestOfLeftover{leftover, hits, leftover.count});
+    leftover.count = 0;
   }
 };
 
@@ -154,7 +154,7 @@ struct AnySink {
   const KdView& view;
   VisibilityMask mask;
   std::uint32_t* occluded;
-  Stragglers stragglers;
+  LeftoverRays leftover;
 
   AnySink(const KdView& v, VisibilityMask m, std::uint32_t* o) : view(v), mask(m), occluded(o) {}
 
@@ -169,12 +169,12 @@ struct AnySink {
     occluded[index] |= met;
   }
   HWY_INLINE void trace_alone(const RayPacket& packet, std::size_t index, std::uint32_t lanes) {
-    stragglers.add(packet, index, lanes, nullptr);
-    if (stragglers.is_full()) flush();
+    leftover.add(packet, index, lanes, nullptr);
+    if (leftover.is_full()) flush();
   }
   HWY_NOINLINE void flush() {
-    TraceStream<true>(view, mask, AnyOfStragglers{stragglers, occluded, stragglers.count});
-    stragglers.count = 0;
+    TraceStream<true>(view, mask, AnyOfLeftover{leftover, occluded, leftover.count});
+    leftover.count = 0;
   }
 };
 
@@ -182,7 +182,7 @@ void PacketsClosest(const KdView& view, const RayPacket* packets, std::size_t co
                     VisibilityMask mask, HitPacket* hits) {
   ClosestSink sink(view, mask, hits);
   TracePackets<false>(view, packets, count, mask, sink);
-  if (sink.stragglers.count > 0) sink.flush();
+  if (sink.leftover.count > 0) sink.flush();
 }
 
 void PacketsAny(const KdView& view, const RayPacket* packets, std::size_t count,
@@ -190,7 +190,7 @@ void PacketsAny(const KdView& view, const RayPacket* packets, std::size_t count,
   for (std::size_t i = 0; i < count; ++i) occluded[i] = 0;
   AnySink sink(view, mask, occluded);
   TracePackets<true>(view, packets, count, mask, sink);
-  if (sink.stragglers.count > 0) sink.flush();
+  if (sink.leftover.count > 0) sink.flush();
 }
 
 }  // namespace HWY_NAMESPACE

@@ -1,4 +1,4 @@
-/// Packets of sixteen rays that go nearly the same way. The tree sees a packet as one wide tube,
+/// Packets of sixteen rays that go nearly the same way. The tree sees a packet as one wide beam,
 /// and two that follow each other as one where that is hardly wider; packets that cost more than
 /// their rays would alone are divided. Compiled once for each instruction set level.
 
@@ -39,7 +39,7 @@ inline constexpr std::size_t kPacketLag = 3;
 inline constexpr std::size_t kPairsInVain = 6;
 inline constexpr std::size_t kPairPause = 48;
 
-// A packet under way in an array of them. If they lay a whole page apart, the first lines of each
+// A packet in flight in an array of them. If they lay a whole page apart, the first lines of each
 // would compete for the same few sets of the L1 cache.
 template <int kLanes>
 struct SpreadState : PacketState<kLanes> {
@@ -62,11 +62,11 @@ HWY_INLINE std::uint32_t FinishPair(const PacketState<kPairLanes>& p, Sink& sink
   return p.active;
 }
 
-// Packets under way, one or two in each place.
+// Packets in flight, one or two in each place.
 template <bool kAny, int kLanes>
-struct PacketsUnderWay {
+struct PacketsInFlight {
   SpreadState<kLanes> states[kPacketsInterleaved];
-  SeenBlock seen[kPacketLag + 1];
+  CulledBlock culled[kPacketLag + 1];
   Candidates<kLanes> candidates;
   WorkLists<kPacketsInterleaved> lists{};
   // A bit for each place that holds packets: a new place is not touched before it is used, for most
@@ -74,7 +74,7 @@ struct PacketsUnderWay {
   std::uint32_t taken = 0;
   static_assert(kPacketsInterleaved <= 32);
 
-  PacketsUnderWay() {
+  PacketsInFlight() {
     for (std::size_t s = 0; s < kPacketsInterleaved; ++s) {
       lists.slot[WorkList::kDone][s] = static_cast<std::uint8_t>(s);
     }
@@ -98,7 +98,7 @@ struct PacketsUnderWay {
         continue;
       }
       taken |= place;
-      p.stack.start(view.root, p.tube);
+      p.stack.start(view.root, p.beam);
       p.pop();
       PrefetchAll(view, p.current);
       lists.add(p.current, s);
@@ -117,7 +117,7 @@ struct PacketsUnderWay {
           [&](std::size_t i) ABBE_INLINE_LAMBDA {
             PacketState<kLanes>& p = states[lists.slot[WorkList::kInner][i]];
             --p.budget;
-            PushChildren(view.nodes[p.current], p.tube, p.t_near, p.t_far, p.farthest, p.stack);
+            PushChildren(view.nodes[p.current], p.beam, p.t_near, p.t_far, p.farthest, p.stack);
           },
           [&](std::size_t i) ABBE_INLINE_LAMBDA {
             const std::size_t s = lists.slot[WorkList::kInner][i];
@@ -133,19 +133,19 @@ struct PacketsUnderWay {
         [&](std::size_t i) ABBE_INLINE_LAMBDA {
           const PacketState<kLanes>& p = states[lists.slot[WorkList::kLeaf][i]];
           if (HWY_LIKELY((p.current & kMixedBit) == 0)) {
-            Look(view.block(p.current), p, seen[i % (kPacketLag + 1)]);
+            CullBlock(view.block(p.current), p, culled[i % (kPacketLag + 1)]);
           }
         },
         [&](std::size_t i) ABBE_INLINE_LAMBDA {
           const std::size_t s = lists.slot[WorkList::kLeaf][i];
           PacketState<kLanes>& p = states[s];
-          SeenBlock& block_seen = seen[i % (kPacketLag + 1)];
+          CulledBlock& block_culled = culled[i % (kPacketLag + 1)];
           if (HWY_LIKELY((p.current & kMixedBit) == 0)) {
             const TriangleBlock& block = view.block(p.current);
-            TestPacketBlock<kAny>(view, block, mask, block_seen, p, candidates);
+            TestPacketBlock<kAny>(view, block, mask, block_culled, p, candidates);
             p.push_next_block(block.next_lines);
           } else {
-            TestMixedPacketLeaf<kAny>(view, mask, block_seen, p, candidates);
+            TestMixedPacketLeaf<kAny>(view, mask, block_culled, p, candidates);
           }
           p.pop();
           if ((kAny && p.active == 0) || p.budget < 0) p.stop();
@@ -183,10 +183,10 @@ class PairTracer {
       return false;
     };
     while (true) {
-      under_way_.refill(view, finish, start);
-      if (under_way_.taken == 0) return next_ == count_;
+      in_flight_.refill(view, finish, start);
+      if (in_flight_.taken == 0) return next_ == count_;
       if (queue.is_full()) return false;
-      under_way_.go_on(view, mask);
+      in_flight_.go_on(view, mask);
     }
   }
 
@@ -210,7 +210,7 @@ class PairTracer {
     }
     const RayPacket* const pair = packets_ + index;
     const std::uint32_t lower = pair[0].active & kAllLanes, upper = pair[1].active & kAllLanes;
-    if (lower != 0 && upper != 0 && !view.is_lonely_solid(pair[0].inside) &&
+    if (lower != 0 && upper != 0 && !view.is_isolated_solid(pair[0].inside) &&
         StartPacket<kPairLanes>(scene, pair, lower | upper << kPacketLanes, nullptr, p)) {
       p.index = index;
       p.budget = kLaneBudget * static_cast<int>(hwy::PopCount(p.active));
@@ -227,7 +227,7 @@ class PairTracer {
   const std::size_t count_;
   std::size_t next_ = 0;
   std::size_t in_vain_ = 0;  // Pairs in a row that were none.
-  PacketsUnderWay<kAny, kPairLanes> under_way_;
+  PacketsInFlight<kAny, kPairLanes> in_flight_;
 };
 
 // Traces the packets in a queue.
@@ -249,9 +249,9 @@ class QueueTracer {
     const auto start = [&](PacketState<kPacketLanes>& p)
                            ABBE_INLINE_LAMBDA { return take(scene, view, queue, p, sink); };
     while (true) {
-      under_way_.refill(view, finish, start);
-      if (under_way_.taken == 0 || (queue.is_empty() && !is_last)) return;
-      under_way_.go_on(view, mask);
+      in_flight_.refill(view, finish, start);
+      if (in_flight_.taken == 0 || (queue.is_empty() && !is_last)) return;
+      in_flight_.go_on(view, mask);
     }
   }
 
@@ -264,7 +264,7 @@ class QueueTracer {
     while ((part = queue.take(packets_, sink)).lanes != 0) {
       const RayPacket& packet = packets_[part.index];
       const bool is_whole = part.lanes == (packet.active & kAllLanes);
-      if (is_whole && view.is_lonely_solid(packet.inside) &&
+      if (is_whole && view.is_isolated_solid(packet.inside) &&
           sink.answer_inside(packet, part.index)) {
         continue;
       }
@@ -289,7 +289,7 @@ class QueueTracer {
   }
 
   const RayPacket* const packets_;
-  PacketsUnderWay<kAny, kPacketLanes> under_way_;
+  PacketsInFlight<kAny, kPacketLanes> in_flight_;
 };
 
 // Traces all packets with active lanes. sink.finish() takes what a packet has met.

@@ -21,19 +21,19 @@ namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A block as seen from the line of a packet.
-struct alignas(64) SeenBlock {
+// What a packet may meet of a block.
+struct alignas(64) CulledBlock {
   float vertices[3][kLooseVertices];  ///< Relative to where the line or all rays begin, if they do.
   std::uint32_t near;                 ///< The triangles that the packet's rays may meet.
 };
 
 template <bool kLoose, int kLanes>
-HWY_INLINE void SeeBlock(const TriangleBlock& block, const PacketState<kLanes>& p,
-                         SeenBlock& seen) {
+HWY_INLINE void CullByLine(const TriangleBlock& block, const PacketState<kLanes>& p,
+                           CulledBlock& culled) {
   const LaneF d;
   using V = hn::Vec<LaneF>;
-  float* const moved[3] = {seen.vertices[p.axes.x], seen.vertices[p.axes.y],
-                           seen.vertices[p.axes.z]};
+  float* const moved[3] = {culled.vertices[p.axes.x], culled.vertices[p.axes.y],
+                           culled.vertices[p.axes.z]};
   const Corners<kLoose> corners(
       block, p.axes, {p.line_x, p.line_y, p.line_z, p.line_shear_x, p.line_shear_y}, moved);
   const float depth = p.farthest * p.longest_z + p.half_z;
@@ -72,13 +72,13 @@ HWY_INLINE void SeeBlock(const TriangleBlock& block, const PacketState<kLanes>& 
     bits |= BitsOf(d, hn::And(hn::And(z_near, edge_near), hn::And(x_near, y_near)), i);
   }
   // Unused triangles are a vertex, which may well be near.
-  seen.near = bits & ((1u << block.triangle_count) - 1);
+  culled.near = bits & ((1u << block.triangle_count) - 1);
 }
 
-// The same for a packet without a line: triangles whose bounds its tube meets.
+// The same for a packet without a line: triangles whose bounds its beam meets.
 template <bool kLoose, int kLanes>
-HWY_INLINE void SeeBounds(const TriangleBlock& block, const PacketState<kLanes>& p,
-                          SeenBlock& seen) {
+HWY_INLINE void CullByBounds(const TriangleBlock& block, const PacketState<kLanes>& p,
+                             CulledBlock& culled) {
   const LaneF d;
   using V = hn::Vec<LaneF>;
   if (p.common_origin) {
@@ -87,7 +87,7 @@ HWY_INLINE void SeeBounds(const TriangleBlock& block, const PacketState<kLanes>&
       const float* const row = block.row(k);
       const auto count = static_cast<std::size_t>(block.vertices_per_row());
       for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-        hn::Store(hn::Sub(hn::Load(d, row + i), origin), d, seen.vertices[k] + i);
+        hn::Store(hn::Sub(hn::Load(d, row + i), origin), d, culled.vertices[k] + i);
       }
     }
   }
@@ -101,10 +101,10 @@ HWY_INLINE void SeeBounds(const TriangleBlock& block, const PacketState<kLanes>&
     corners.get(i, 2, c[0], c[1], c[2]);
     V enter = hn::Zero(d), leave = hn::Set(d, p.farthest);
     const auto clip = [&](int axis, const V& low, const V& high) HWY_ATTR {
-      const V below = hn::Set(d, p.tube.reciprocal[axis]);
-      const V above = hn::Set(d, p.tube.reciprocal[4 + axis]);
-      const V t_below = hn::Mul(hn::Sub(high, hn::Set(d, p.tube.origin[axis])), below);
-      const V t_above = hn::Mul(hn::Sub(low, hn::Set(d, p.tube.origin[4 + axis])), above);
+      const V below = hn::Set(d, p.beam.reciprocal[axis]);
+      const V above = hn::Set(d, p.beam.reciprocal[4 + axis]);
+      const V t_below = hn::Mul(hn::Sub(high, hn::Set(d, p.beam.origin[axis])), below);
+      const V t_above = hn::Mul(hn::Sub(low, hn::Set(d, p.beam.origin[4 + axis])), above);
       enter = hn::Max(enter, hn::Max(hn::IfNegativeThenElse(below, t_below, least),
                                      hn::IfNegativeThenElse(above, least, t_above)));
       leave = hn::Min(leave, hn::Min(hn::IfNegativeThenElse(below, most, t_below),
@@ -116,21 +116,22 @@ HWY_INLINE void SeeBounds(const TriangleBlock& block, const PacketState<kLanes>&
     }
     bits |= BitsOf(d, hn::Le(enter, leave), i);
   }
-  seen.near = bits & ((1u << block.triangle_count) - 1);
+  culled.near = bits & ((1u << block.triangle_count) - 1);
 }
 
 template <int kLanes>
-HWY_INLINE void Look(const TriangleBlock& block, const PacketState<kLanes>& p, SeenBlock& seen) {
+HWY_INLINE void CullBlock(const TriangleBlock& block, const PacketState<kLanes>& p,
+                          CulledBlock& culled) {
   if (HWY_UNLIKELY(!p.has_line)) {
     if (block.is_loose == 0) {
-      SeeBounds<false>(block, p, seen);
+      CullByBounds<false>(block, p, culled);
     } else {
-      SeeBounds<true>(block, p, seen);
+      CullByBounds<true>(block, p, culled);
     }
   } else if (HWY_LIKELY(block.is_loose == 0)) {
-    SeeBlock<false>(block, p, seen);
+    CullByLine<false>(block, p, culled);
   } else {
-    SeeBlock<true>(block, p, seen);
+    CullByLine<true>(block, p, culled);
   }
 }
 
@@ -148,16 +149,16 @@ struct alignas(64) Candidates {
 // single ray. First all tests, without a branch on their outcome; then what they found, sorted by
 // distance in registers.
 template <bool kAny, bool kCommonOrigin, int kLanes>
-HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const SeenBlock& seen,
+HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const CulledBlock& culled,
                                        const ShearGroup& group, PacketState<kLanes>& p,
                                        Candidates<kLanes>& found) {
   const LaneF d;
   const LaneU du;
   using V = hn::Vec<LaneF>;
   const int x = group.axes.x, y = group.axes.y, z = group.axes.z;
-  const float* const row_x = kCommonOrigin ? seen.vertices[x] : block.row(x);
-  const float* const row_y = kCommonOrigin ? seen.vertices[y] : block.row(y);
-  const float* const row_z = kCommonOrigin ? seen.vertices[z] : block.row(z);
+  const float* const row_x = kCommonOrigin ? culled.vertices[x] : block.row(x);
+  const float* const row_y = kCommonOrigin ? culled.vertices[y] : block.row(y);
+  const float* const row_z = kCommonOrigin ? culled.vertices[z] : block.row(z);
   const V zero = hn::Zero(d);
   std::uint32_t hit_lanes = 0;
   for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
@@ -174,7 +175,7 @@ HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const SeenBlo
       return kCommonOrigin ? position : hn::Sub(position, origin);
     };
     std::size_t count = 0;
-    for (std::uint32_t near = seen.near; near != 0; near &= near - 1) {
+    for (std::uint32_t near = culled.near; near != 0; near &= near - 1) {
       const auto k = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(near));
       const std::size_t a = block.corners[0][k], b = block.corners[1][k], c = block.corners[2][k];
       const V az = relative(row_z, a, oz);
@@ -277,23 +278,24 @@ HWY_INLINE void Shorten(PacketState<kLanes>& p, std::uint32_t lanes) {
 // What a block takes from the budget of a packet, in triangles.
 inline constexpr int kBlockCost = 2;
 
-// The triangles of a block that was seen, with what follows from hits.
+// The triangles that culling left of a block, with what follows from hits.
 template <bool kAny, int kLanes>
 HWY_INLINE void TestPacketBlock(const KdView& view, const TriangleBlock& block, VisibilityMask mask,
-                                SeenBlock& seen, PacketState<kLanes>& p,
+                                CulledBlock& culled, PacketState<kLanes>& p,
                                 Candidates<kLanes>& candidates) {
   if (HWY_UNLIKELY(view.masks != nullptr)) {
-    for (std::uint32_t near = seen.near; near != 0; near &= near - 1) {
+    for (std::uint32_t near = culled.near; near != 0; near &= near - 1) {
       const auto k = hwy::Num0BitsBelowLS1Bit_Nonzero32(near);
-      if (!view.is_visible(block.id[k], mask)) seen.near &= ~(1u << k);
+      if (!view.is_visible(block.id[k], mask)) culled.near &= ~(1u << k);
     }
   }
-  p.budget -= kBlockCost + p.group_count * static_cast<int>(hwy::PopCount(seen.near));
-  if (seen.near == 0) return;
+  p.budget -= kBlockCost + p.group_count * static_cast<int>(hwy::PopCount(culled.near));
+  if (culled.near == 0) return;
   std::uint32_t found = 0;
   for (int g = 0; g < p.group_count; ++g) {
-    found |= p.common_origin ? TestTriangles<kAny, true>(block, seen, p.groups[g], p, candidates)
-                             : TestTriangles<kAny, false>(block, seen, p.groups[g], p, candidates);
+    found |= p.common_origin
+                 ? TestTriangles<kAny, true>(block, culled, p.groups[g], p, candidates)
+                 : TestTriangles<kAny, false>(block, culled, p.groups[g], p, candidates);
   }
   if (found != 0) Shorten<kAny>(p, found);
 }
@@ -307,13 +309,13 @@ HWY_INLINE void TestPacketSolid(const KdView& view, std::uint32_t primitive, Vis
 }
 
 template <bool kAny, int kLanes>
-HWY_INLINE void TestMixedPacketLeaf(const KdView& view, VisibilityMask mask, SeenBlock& seen,
+HWY_INLINE void TestMixedPacketLeaf(const KdView& view, VisibilityMask mask, CulledBlock& culled,
                                     PacketState<kLanes>& p, Candidates<kLanes>& candidates) {
   const MixedLeaf& mixed = view.mixed_leaves[p.current & kIndexMask];
   for (KdChild leaf = mixed.triangles; leaf != kEmptyChild;) {
     const TriangleBlock& block = view.block(leaf);
-    Look(block, p, seen);
-    TestPacketBlock<kAny>(view, block, mask, seen, p, candidates);
+    CullBlock(block, p, culled);
+    TestPacketBlock<kAny>(view, block, mask, culled, p, candidates);
     leaf = next_block(block, leaf);
   }
   for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {

@@ -23,7 +23,7 @@ inline constexpr std::size_t kFewLanes = 4;
 // The same for rays near to one line that only a gap parts.
 inline constexpr std::size_t kFewNearLanes = 2;
 
-// Packets under way at a time: most of their time they wait for memory.
+// Packets in flight at a time: most of their time they wait for memory.
 inline constexpr std::size_t kPacketsInterleaved = 16;
 // So many that did not pair are gathered before they are traced one by one.
 inline constexpr std::size_t kPacketsQueued = 256;
@@ -43,7 +43,7 @@ HWY_INLINE void Fetch(const RayPacket& packet) {
   for (std::size_t i = 0; i < sizeof(RayPacket); i += 64) hwy::Prefetch(bytes + i);
 }
 
-// Lanes of packets still to be traced: those that did not pair, and parts of those under way. Each
+// Lanes of packets still to be traced: those that did not pair, and parts of those in flight. Each
 // division takes one away and adds two, at most fifteen times for a packet.
 class PacketQueue {
  public:
@@ -74,7 +74,7 @@ class PacketQueue {
   HWY_INLINE void add(std::size_t index, std::uint32_t lanes) { part_[parts_++] = {index, lanes}; }
 
   // What waits for its turn: of these lanes, those that are active. Domain: the queue is not full,
-  // or what is added was under way when it became so.
+  // or what is added was in flight when it became so.
   HWY_INLINE void append(std::size_t index, std::uint32_t lanes) {
     list_[count_++] = {index, lanes};
   }
@@ -82,7 +82,7 @@ class PacketQueue {
  private:
   std::size_t count_ = 0, next_ = 0, parts_ = 0;
   PacketPart list_[kPacketsQueued + 2 * kPacketsInterleaved];
-  // All packets under way may be divided to single lanes before one of the parts is taken.
+  // All packets in flight may be divided to single lanes before one of the parts is taken.
   PacketPart part_[kPacketLanes * (kPacketsInterleaved + 1)];
 };
 

@@ -1,4 +1,4 @@
-/// Makes a packet of sixteen rays, or two of them, ready to trace: its tube, its shears, the line
+/// Makes a packet of sixteen rays, or two of them, ready to trace: its beam, its shears, the line
 /// it is near to. Compiled once for each instruction set level.
 
 #if defined(ABBE_ACCEL_KD_TRACE_PACKET_START_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -79,7 +79,7 @@ HWY_INLINE void ShearLanes(const Row<kLanes> (&direction)[3], Row<kLanes> (&shea
   }
 }
 
-// Beyond this slope between rays of a packet the tube is too wide to be of use among many
+// Beyond this slope between rays of a packet the beam is too wide to be of use among many
 // triangles, and beyond the next among few.
 inline constexpr float kWidestSpread = 0.08f;
 inline constexpr float kWidestSpreadOfFew = 0.25f;
@@ -88,7 +88,7 @@ inline constexpr float kWidestSpreadOfFew = 0.25f;
 inline constexpr float kWidestGap = 0.2f;
 // The same for rays that go too different ways for a line: their parts are seldom near to one
 // either.
-inline constexpr float kWidestScatteredGap = 0.4f;
+inline constexpr float kWidestIncoherentGap = 0.4f;
 // With fewer triangles a packet that is too wide meets little more than its parts would.
 inline constexpr std::uint32_t kFewTriangles = 1000;
 // And the least slope between its rays for that to matter: a packet this many triangles wide, if
@@ -99,7 +99,7 @@ inline constexpr float kLeastWidth = 6.0f;
 inline constexpr float kWidestPair = 12.0f;
 
 // Where rays are compared when a packet is divided, in parts of the longest side of the scene.
-inline constexpr float kSplitWay = 0.25f;
+inline constexpr float kSplitDistance = 0.25f;
 
 // The lanes on one side of a gap that parts the lanes of a row, none if it is not wide enough.
 template <int kLanes>
@@ -121,14 +121,14 @@ HWY_INLINE std::uint32_t BelowGap(const Row<kLanes>& row, float low, float high,
 
 // What the start of a packet depends on, found once for all packets.
 struct StartScene {
-  TubeMaker tubes;
+  BeamMaker beams;
   bool has_few_triangles;
   float least_spread = kInfinity;  // Packets that spread less are not parted.
   float widest_spread = kWidestSpreadOfFew;
   float widest_pair = kWidestSpreadOfFew;
 
   explicit StartScene(const KdView& view)
-      : tubes(view.bounds), has_few_triangles(view.triangle_count <= kFewTriangles) {
+      : beams(view.bounds), has_few_triangles(view.triangle_count <= kFewTriangles) {
     if (has_few_triangles) return;
     widest_spread = kWidestSpread;
     const float triangle = 1.0f / std::sqrt(static_cast<float>(view.triangle_count));
@@ -154,7 +154,7 @@ HWY_INLINE bool FindLine(const Row<kLanes> (&slope)[2], const float (&low)[2],
   const bool is_narrow = p.spread_x < scene.widest_spread && p.spread_y < scene.widest_spread;
   if (p.spread_x > scene.least_spread || p.spread_y > scene.least_spread) {
     const int wider = p.spread_x > p.spread_y ? 0 : 1;
-    const float widest = is_narrow ? kWidestGap : kWidestScatteredGap;
+    const float widest = is_narrow ? kWidestGap : kWidestIncoherentGap;
     p.apart = BelowGap(slope[wider], low[wider], high[wider], widest) & p.active;
   }
   return is_narrow;
@@ -181,9 +181,9 @@ HWY_INLINE std::uint32_t SplitLanes(const KdView& view, const RayPacket& packet,
   for (std::size_t i = 0; i < Row<kPacketLanes>::kVectors; ++i) {
     const V x = along[0].part[i], y = along[1].part[i], z = along[2].part[i];
     const V most = hn::Max(hn::Max(hn::Abs(x), hn::Abs(y)), hn::Abs(z));
-    const V way = hn::Div(hn::Set(d, kSplitWay * longest), most);
+    const V distance = hn::Div(hn::Set(d, kSplitDistance * longest), most);
     for (int k = 0; k < 3; ++k) {
-      at[k].part[i] = hn::Add(at[k].part[i], hn::Mul(along[k].part[i], way));
+      at[k].part[i] = hn::Add(at[k].part[i], hn::Mul(along[k].part[i], distance));
     }
   }
   const RowBounds bounds = BoundsOf(at[0], at[1], at[2], at[2]);
@@ -250,11 +250,11 @@ HWY_INLINE bool StartPacket(const StartScene& scene, const RayPacket* packet, st
   p.has_line =
       FindLine(slope, {origins.low[3], directions.low[3]}, {origins.high[3], directions.high[3]},
                directions.low[axes.z], directions.high[axes.z], scene, p);
-  bool is_scattered = !p.has_line && !scene.has_few_triangles;
+  bool is_incoherent = !p.has_line && !scene.has_few_triangles;
   if constexpr (kLanes > kPacketLanes) {
-    is_scattered = !p.has_line || std::max(p.spread_x, p.spread_y) > scene.widest_pair;
+    is_incoherent = !p.has_line || std::max(p.spread_x, p.spread_y) > scene.widest_pair;
   }
-  if (HWY_UNLIKELY(p.is_parted() || is_scattered)) return false;
+  if (HWY_UNLIKELY(p.is_parted() || is_incoherent)) return false;
 
   const auto never = hn::Set(d, -kInfinity);
   const auto none = hn::Set(du, kNoPrimitive);
@@ -302,9 +302,9 @@ HWY_INLINE bool StartPacket(const StartScene& scene, const RayPacket* packet, st
     p.half_z = bounds.high[2];
     p.farthest = bounds.high[3];
   }
-  const float reach = scene.tubes.make(origins, directions, p.farthest, p.tube);
-  // The slack of the tube, four times for the roundings here.
-  const float slack = 4.0f * kTubeSlack * reach;
+  const float reach = scene.beams.make(origins, directions, p.farthest, p.beam);
+  // The slack of the beam, four times for the roundings here.
+  const float slack = 4.0f * kBeamSlack * reach;
   p.half_x += slack;
   p.half_y += slack;
   p.half_z += slack;

@@ -50,12 +50,12 @@ class Query {
 
  private:
   void traverse() {
-    const RayTube tube = make_tube(ray_, view_.bounds);
+    const Beam beam = make_beam(ray_, view_.bounds);
     if ((view_.any_mask & mask_) == 0 || view_.root == kEmptyChild) return;
-    if (!(tube.t_near <= tube.t_far)) return;
+    if (!(beam.t_near <= beam.t_far)) return;
     StackEntry stack[kStackEntries];
     int top = 0;
-    stack[top++] = {view_.root, tube.t_near, tube.t_far};
+    stack[top++] = {view_.root, beam.t_near, beam.t_far};
     while (top > 0) {
       const StackEntry entry = stack[--top];
       if (entry.t_near > hit_.t) continue;
@@ -63,28 +63,28 @@ class Query {
       if (entry.child & kLeafBit) {
         test_leaf(entry.child);
       } else {
-        top = push_children(tube, entry, stack, top);
+        top = push_children(beam, entry, stack, top);
       }
     }
   }
 
-  int push_children(const RayTube& tube, const StackEntry& entry, StackEntry* stack, int top) {
+  int push_children(const Beam& beam, const StackEntry& entry, StackEntry* stack, int top) {
     ++cost_.nodes;
     const WideNode& node = view_.nodes[entry.child];
     float near_below[7], far_below[7], near_above[7], far_above[7];
     bool is_flipped[7];
     for (int p = 0; p < 7; ++p) {
       const unsigned axis = (node.axes >> (4 * p)) & 3u;
-      const float below = (node.planes[p] - tube.origin[axis]) * tube.reciprocal[axis];
-      const float above = (node.planes[p] - tube.origin[4 + axis]) * tube.reciprocal[4 + axis];
-      const bool low_ends = tube.reciprocal[axis] > 0.0f;
-      const bool high_ends = tube.reciprocal[4 + axis] < 0.0f;
+      const float below = (node.planes[p] - beam.origin[axis]) * beam.reciprocal[axis];
+      const float above = (node.planes[p] - beam.origin[4 + axis]) * beam.reciprocal[4 + axis];
+      const bool low_ends = beam.reciprocal[axis] > 0.0f;
+      const bool high_ends = beam.reciprocal[4 + axis] < 0.0f;
       near_below[p] = low_ends ? -kInfinity : below;
       far_below[p] = low_ends ? below : kInfinity;
       near_above[p] = high_ends ? -kInfinity : above;
       far_above[p] = high_ends ? above : kInfinity;
       // The side of the origin comes first: a ray that meets both sides starts there.
-      is_flipped[p] = node.planes[p] < tube.origin[axis];
+      is_flipped[p] = node.planes[p] < beam.origin[axis];
     }
     for (int i = 7; i >= 0; --i) {
       const int b2 = (i >> 2) ^ static_cast<int>(is_flipped[0]);

@@ -24,29 +24,29 @@ struct alignas(64) TraversalStack {
   int top = 0;
 
   /// The root above an entry that no ray skips and that says that all is done.
-  void start(KdChild root, const RayTube& tube) {
+  void start(KdChild root, const Beam& beam) {
     child[0] = kDoneChild;
     t_near[0] = -kInfinity;
     t_far[0] = kInfinity;
     child[1] = root;
-    t_near[1] = tube.t_near;
-    t_far[1] = tube.t_far;
-    top = tube.t_near <= tube.t_far ? 2 : 1;
+    t_near[1] = beam.t_near;
+    t_far[1] = beam.t_far;
+    top = beam.t_near <= beam.t_far ? 2 : 1;
   }
 
   /// Takes the cells off that begin behind t, down to the first that does not. Cells lie in order
-  /// but for the width of tubes, so hardly one is left below.
+  /// but for the width of beams, so hardly one is left below.
   void drop_behind(float t) {
     while (t_near[top - 1] > t) --top;
   }
 };
 
-/// What is to be done next for a ray or packet under way.
+/// What is to be done next for a ray or packet in flight.
 namespace WorkList {
 enum : std::size_t { kInner = 0, kLeaf = 1, kDone = 2 };
 }
 
-/// Everything under way by what is to be done next. Branches that a processor would have to guess
+/// Everything in flight by what is to be done next. Branches that a processor would have to guess
 /// ray by ray become loops over lists.
 template <std::size_t kSlots>
 struct WorkLists {
@@ -83,9 +83,9 @@ inline int longest_axis(float x, float y, float z) {
   return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
 }
 
-/// One ray under way.
+/// One ray in flight.
 struct alignas(64) RayState {
-  RayTube tube;
+  Beam beam;
   ShearAxes axes;
   float origin_x = 0.0f, origin_y = 0.0f, origin_z = 0.0f;  ///< Along `axes`.
   float shear_x = 0.0f, shear_y = 0.0f, shear_z = 0.0f;
@@ -96,7 +96,7 @@ struct alignas(64) RayState {
   float t_near = 0.0f, t_far = 0.0f;  ///< Where it is in there.
   TraversalStack stack;
 
-  /// All but the tube and the stack. `found` is what was met already; its t ends the segment.
+  /// All but the beam and the stack. `found` is what was met already; its t ends the segment.
   void start(const Ray& r, const Hit& found, std::size_t i) {
     ray = &r;
     index = i;
@@ -155,7 +155,7 @@ struct alignas(64) HitLanes {
   std::uint32_t primitive[kLanes];
 };
 
-/// Sixteen rays under way together, or the thirty-two of two packets.
+/// Sixteen rays in flight together, or the thirty-two of two packets.
 template <int kWidth>
 struct alignas(64) PacketState {
   static constexpr int kLanes = kWidth;
@@ -164,7 +164,7 @@ struct alignas(64) PacketState {
   float direction[3][kLanes];
   float shear_x[kLanes], shear_y[kLanes], shear_z[kLanes];
   HitLanes<kLanes> hits;  ///< hits.t shrinks; lanes that are done or not active have −infinity.
-  RayTube tube;
+  Beam beam;
   ShearGroup groups[3];
   int group_count = 0;
   std::uint32_t active = 0;

@@ -1,4 +1,4 @@
-/// One step down the tree: which of a wide node's eight children a tube meets, in what order.
+/// One step down the tree: which of a wide node's eight children a beam meets, in what order.
 /// Compiled once for each instruction set level.
 
 #if defined(ABBE_ACCEL_KD_TRACE_STEP_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -48,18 +48,18 @@ HWY_INLINE V Pick(V table, VI index) {
   return hn::TableLookupLanes(table, hn::IndicesFromVec(hn::DFromV<V>(), index));
 }
 
-HWY_INLINE void PushChildren(const WideNode& node, const RayTube& tube, float t_near, float t_far,
+HWY_INLINE void PushChildren(const WideNode& node, const Beam& beam, float t_near, float t_far,
                              float farthest, TraversalStack& stack) {
   const StepF d;
   const StepU du;
   const auto planes = hn::Load(d, node.planes);  // And the axes in the last lane, as a float.
   const auto axes = hn::Set(du, node.axes);
-  const auto origins = hn::Load(d, tube.origin);
-  const auto reciprocals = hn::Load(d, tube.reciprocal);
+  const auto origins = hn::Load(d, beam.origin);
+  const auto reciprocals = hn::Load(d, beam.reciprocal);
   const auto least = hn::Set(d, -kInfinity);
   const auto most = hn::Set(d, kInfinity);
 
-  // The axis of a plane has bit 2 clear; with the side in that place it is an index to the tube.
+  // The axis of a plane has bit 2 clear; with the side in that place it is an index to the beam.
   const auto side0 = hn::Load(du, kStep.side0);
   const auto side1 = hn::Load(du, kStep.side1);
   const auto side2 = hn::Load(du, kStep.side2);
@@ -110,21 +110,21 @@ HWY_INLINE void PushChildren(const WideNode& node, const RayTube& tube, float t_
 
 #else
 
-HWY_INLINE void PushChildren(const WideNode& node, const RayTube& tube, float t_near, float t_far,
+HWY_INLINE void PushChildren(const WideNode& node, const Beam& beam, float t_near, float t_far,
                              float farthest, TraversalStack& stack) {
   float enter[2][7], leave[2][7];
   unsigned flips = 0;
   for (int p = 0; p < 7; ++p) {
     const unsigned axis = (node.axes >> (4 * p)) & 3u;
-    const float low_r = tube.reciprocal[axis];
-    const float high_r = tube.reciprocal[4 + axis];
-    const float below = (node.planes[p] - tube.origin[axis]) * low_r;
-    const float above = (node.planes[p] - tube.origin[4 + axis]) * high_r;
+    const float low_r = beam.reciprocal[axis];
+    const float high_r = beam.reciprocal[4 + axis];
+    const float below = (node.planes[p] - beam.origin[axis]) * low_r;
+    const float above = (node.planes[p] - beam.origin[4 + axis]) * high_r;
     enter[0][p] = low_r > 0.0f ? -kInfinity : below;
     leave[0][p] = low_r > 0.0f ? below : kInfinity;
     enter[1][p] = high_r > 0.0f ? above : -kInfinity;
     leave[1][p] = high_r > 0.0f ? kInfinity : above;
-    flips |= (node.planes[p] < tube.origin[axis] ? 1u : 0u) << p;
+    flips |= (node.planes[p] < beam.origin[axis] ? 1u : 0u) << p;
   }
   int top = stack.top;
   for (int i = 0; i < 8; ++i) {
@@ -153,11 +153,11 @@ HWY_INLINE void PushChildren(const WideNode& node, const RayTube& tube, float t_
 
 #if HWY_MAX_BYTES >= 32
 
-// make_tube(), the same operations on all axes and both sides at once.
-struct TubeMaker {
+// make_beam(), the same operations on all axes and both sides at once.
+struct BeamMaker {
   alignas(32) float opposite[8];  // The sides as seen by the lower and the upper bound.
 
-  explicit TubeMaker(const Box3f& bounds) {
+  explicit BeamMaker(const Box3f& bounds) {
     for (int k = 0; k < 3; ++k) {
       opposite[k] = bounds.high[k];
       opposite[4 + k] = bounds.low[k];
@@ -165,26 +165,26 @@ struct TubeMaker {
     opposite[3] = opposite[7] = 0.0f;
   }
 
-  HWY_INLINE void make(const Ray& ray, RayTube& tube) const {
+  HWY_INLINE void make(const Ray& ray, Beam& beam) const {
     const StepF d;
     const hn::FixedTag<float, 4> d4;
     const auto low = hn::LoadU(d4, &ray.origin.x);  // And t_max.
     const auto last = hn::LoadU(d4, &ray.t_max);    // t_max and the direction.
     const auto turned = hn::Shuffle0321(last);      // The direction and t_max.
-    make(hn::Combine(d, low, low), hn::Combine(d, turned, turned), ray.t_max, tube);
+    make(hn::Combine(d, low, low), hn::Combine(d, turned, turned), ray.t_max, beam);
   }
 
   // Around many rays, from the bounds of their x, y, z; the fourth is not read. Returns the largest
   // distance along any axis from an origin to the scene.
   HWY_INLINE float make(const RowBounds& origins, const RowBounds& directions, float t_max,
-                        RayTube& tube) const {
+                        Beam& beam) const {
     const StepF d;
-    return make(hn::Load(d, origins.low), hn::Load(d, directions.low), t_max, tube);
+    return make(hn::Load(d, origins.low), hn::Load(d, directions.low), t_max, beam);
   }
 
  private:
   HWY_INLINE float make(hn::Vec<StepF> both_o, hn::Vec<StepF> both_d, float t_max,
-                        RayTube& tube) const {
+                        Beam& beam) const {
     const StepF d;
     const StepU du;
     alignas(32) static constexpr std::uint32_t kAxes[8] = {~0u, ~0u, ~0u, 0, ~0u, ~0u, ~0u, 0};
@@ -199,7 +199,7 @@ struct TubeMaker {
     const auto tiny =
         hn::Max(hn::Mul(hn::MaxOfLanes(d, size), hn::Set(d, 1e-18f)), hn::Set(d, 1e-37f));
     const auto reach = hn::MaxOfLanes(d, hn::Abs(hn::Sub(sides, origin)));
-    const auto width = hn::Max(hn::Mul(reach, hn::Set(d, kTubeSlack)),
+    const auto width = hn::Max(hn::Mul(reach, hn::Set(d, kBeamSlack)),
                                hn::Mul(hn::Set(d, 0x1p-23f), hn::Abs(origin)));
     // The lower bound moves down, the upper up.
     const auto down = hn::Xor(upper, hn::Set(d, -0.0f));
@@ -208,30 +208,30 @@ struct TubeMaker {
     const auto exact = hn::Div(hn::Set(d, 1.0f), safe);
     const auto begins = hn::Xor(exact, upper);
     const auto reciprocal =
-        hn::Mul(exact, hn::IfNegativeThenElse(begins, hn::Set(d, 1.0f - kTubeSlack),
-                                              hn::Set(d, 1.0f + kTubeSlack)));
-    hn::Store(wide, d, tube.origin);
-    hn::Store(reciprocal, d, tube.reciprocal);
+        hn::Mul(exact, hn::IfNegativeThenElse(begins, hn::Set(d, 1.0f - kBeamSlack),
+                                              hn::Set(d, 1.0f + kBeamSlack)));
+    hn::Store(wide, d, beam.origin);
+    hn::Store(reciprocal, d, beam.reciprocal);
     const auto t = hn::Mul(hn::Sub(sides, wide), reciprocal);
     const auto least = hn::Set(d, -kInfinity);
     const auto most = hn::Set(d, kInfinity);
     const auto counts = hn::MaskFromVec(is_axis);
     const auto enter = hn::IfThenElse(counts, hn::IfNegativeThenElse(begins, t, least), least);
     const auto leave = hn::IfThenElse(counts, hn::IfNegativeThenElse(begins, most, t), most);
-    tube.t_near = hn::GetLane(hn::Max(hn::MaxOfLanes(d, enter), hn::Zero(d)));
-    tube.t_far = hn::GetLane(hn::Min(hn::MinOfLanes(d, leave), hn::Set(d, t_max)));
+    beam.t_near = hn::GetLane(hn::Max(hn::MaxOfLanes(d, enter), hn::Zero(d)));
+    beam.t_far = hn::GetLane(hn::Min(hn::MinOfLanes(d, leave), hn::Set(d, t_max)));
     return hn::GetLane(reach);
   }
 };
 
 #else
 
-struct TubeMaker {
+struct BeamMaker {
   const Box3f& bounds;
-  explicit TubeMaker(const Box3f& b) : bounds(b) {}
-  HWY_INLINE void make(const Ray& ray, RayTube& tube) const { tube = make_tube(ray, bounds); }
+  explicit BeamMaker(const Box3f& b) : bounds(b) {}
+  HWY_INLINE void make(const Ray& ray, Beam& beam) const { beam = make_beam(ray, bounds); }
   HWY_INLINE float make(const RowBounds& origins, const RowBounds& directions, float t_max,
-                        RayTube& tube) const {
+                        Beam& beam) const {
     float reach = 0.0f, longest = 0.0f;
     for (int k = 0; k < 3; ++k) {
       reach = std::max({reach, std::abs(bounds.low[k] - origins.high[k]),
@@ -239,10 +239,10 @@ struct TubeMaker {
       longest = std::max({longest, std::abs(directions.low[k]), std::abs(directions.high[k])});
     }
     for (int k = 0; k < 3; ++k) {
-      set_tube_axis(tube, k, origins.low[k], origins.high[k], directions.low[k], directions.high[k],
+      set_beam_axis(beam, k, origins.low[k], origins.high[k], directions.low[k], directions.high[k],
                     reach, longest);
     }
-    clip_tube(tube, bounds, t_max);
+    clip_beam(beam, bounds, t_max);
     return reach;
   }
 };

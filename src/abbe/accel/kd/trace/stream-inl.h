@@ -1,4 +1,4 @@
-/// Independent rays, several under way at a time so that the memory and the pipelines of one are
+/// Independent rays, several in flight at a time so that the memory and the pipelines of one are
 /// busy while another waits. Compiled once for each instruction set level.
 
 #if defined(ABBE_ACCEL_KD_TRACE_STREAM_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -88,7 +88,7 @@ HWY_INLINE void AcceptCandidates(const KdView& view, const TriangleBlock& block,
   }
 }
 
-// Rays under way at a time.
+// Rays in flight at a time.
 inline constexpr std::size_t kInterleaved = 32;
 // So many rays after its own step what follows from it is done.
 inline constexpr std::size_t kLag = 3;
@@ -104,7 +104,7 @@ HWY_INLINE void TestMixedLeaf(const KdView& view, VisibilityMask mask, RayState&
   }
   for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
     const std::uint32_t solid = view.solids[mixed.first_solid + s];
-    if (MeetsBox(ray.tube, BoundsOfSolid(view, solid), ray.hit.t)) {
+    if (MeetsBox(ray.beam, BoundsOfSolid(view, solid), ray.hit.t)) {
       ray.test_solid(solid, view, mask);
     }
   }
@@ -124,7 +124,7 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
   RayState states[kInterleaved];
   BlockResult results[kLag + 1];
   WorkLists<kInterleaved> lists{};
-  const TubeMaker tubes(view.bounds);
+  const BeamMaker beams(view.bounds);
   const std::size_t count = source.count;
   for (std::size_t s = 0; s < kInterleaved; ++s) {
     lists.slot[WorkList::kDone][s] = static_cast<std::uint8_t>(s);
@@ -141,9 +141,9 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
       RayState& ray = states[s];
       if (ray.ray != nullptr) source.finish(ray);
       if (next == count) continue;
-      tubes.make(source.ray(next), ray.tube);
+      beams.make(source.ray(next), ray.beam);
       ray.start(source.ray(next), source.found(next), next);
-      ray.stack.start(view.root, ray.tube);
+      ray.stack.start(view.root, ray.beam);
       ray.pop();
       ++next;
       lists.add(ray.current, s);
@@ -161,7 +161,7 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
           inner,
           [&](std::size_t i) ABBE_INLINE_LAMBDA {
             RayState& ray = states[lists.slot[WorkList::kInner][i]];
-            PushChildren(view.nodes[ray.current], ray.tube, ray.t_near, ray.t_far, ray.hit.t,
+            PushChildren(view.nodes[ray.current], ray.beam, ray.t_near, ray.t_far, ray.hit.t,
                          ray.stack);
           },
           [&](std::size_t i) ABBE_INLINE_LAMBDA {

@@ -74,7 +74,7 @@ TEST_F(ExrTest, other_programs_open_every_kind_of_file) {
       EXPECT_THAT(*said, HasSubstr("objectId"));
     }
   }
-  if (!any) GTEST_SKIP() << "none of exrheader, exrinfo and oiiotool is installed: not opened";
+  EXPECT_TRUE(any) << "none of exrheader, exrinfo and oiiotool is installed";
 }
 
 TEST_F(ExrTest, ids_have_the_names_of_the_scene) {

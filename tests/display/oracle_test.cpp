@@ -14,12 +14,7 @@ namespace {
 
 const std::string kConfig = std::string(ABBE_SOURCE_DIR) + "/config/config.ocio";
 
-bool has_program(const std::string& name) {
-  return std::system(("command -v " + name + " > /dev/null 2>&1").c_str()) == 0;
-}
-
 TEST(DisplayOracle, ociocheck_finds_nothing_wrong_with_the_configuration) {
-  if (!has_program("ociocheck")) GTEST_SKIP() << "ociocheck is not installed: not validated by it";
   EXPECT_EQ(std::system(("ociocheck --iconfig '" + kConfig + "' > /dev/null 2>&1").c_str()), 0);
 }
 
@@ -42,8 +37,6 @@ Image ramps() {
 }
 
 TEST(DisplayOracle, png_equals_that_of_oiiotool_to_one_code) {
-  if (!has_program("oiiotool"))
-    GTEST_SKIP() << "oiiotool is not installed: PNG not compared to its";
   const TemporaryFolder folder;
   const Image image = ramps();
   write_exr(folder / "in.exr", image, {});

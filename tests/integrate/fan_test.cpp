@@ -40,7 +40,7 @@ Traced trace_all(const World& world, const Camera& camera, const RenderSettings&
   Traced traced;
   traced.radiance.resize(samples.size() * static_cast<std::size_t>(world.lanes.lane_stride()));
   IntegratorScratch scratch;
-  trace_samples(world, integrator, samples, traced.radiance, {}, traced.stats, scratch);
+  trace_samples(world, integrator, samples, {traced.radiance}, traced.stats, scratch);
   return traced;
 }
 

@@ -47,8 +47,8 @@ std::vector<FanRecord> trace_through(const PrismCase& prism) {
   std::vector<FanRecord> records;
   IntegratorStats stats;
   IntegratorScratch scratch;
-  trace_samples(world, {.max_depth = 2}, std::span(&sample, 1), radiance, {}, stats, scratch,
-                &records);
+  trace_samples(world, {.max_depth = 2}, std::span(&sample, 1),
+                {.radiance = radiance, .records = &records}, stats, scratch);
   return records;
 }
 

@@ -89,8 +89,8 @@ Probed probe_pixel(const World& world, const Camera& camera, const RenderSetting
   std::vector<float> radiance(static_cast<std::size_t>(world.lanes.lane_stride()));
   IntegratorStats stats;
   IntegratorScratch scratch;
-  trace_samples(world, integrator, std::span(&probed.sample, 1), radiance, {}, stats, scratch,
-                &probed.records);
+  trace_samples(world, integrator, std::span(&probed.sample, 1),
+                {.radiance = radiance, .records = &probed.records}, stats, scratch);
   return probed;
 }
 

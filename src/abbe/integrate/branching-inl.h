@@ -8,14 +8,15 @@
 #endif
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
-#include "abbe/integrate/buffers.h"
+#include "abbe/integrate/fan.h"
 #include "abbe/integrate/integrator.h"
-#include "abbe/integrate/recorder.h"
-#include "abbe/integrate/surface/shading.h"
-#include "abbe/math/lanes-inl.h"
+#include "abbe/integrate/surface/answer.h"
+#include "abbe/integrate/surface/point_lanes-inl.h"
 #include "abbe/math/sampling.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -27,100 +28,127 @@ template <class D>
 class Branching {
  public:
   Branching(const World& world, const IntegratorSettings& settings,
-            std::span<const CameraSample> samples, IntegratorStats& stats,
-            IntegratorScratch::Buffers& buffers, const Shading& shading)
+            std::span<const CameraSample> samples, IntegratorStats& stats)
       : world_(world),
         settings_(settings),
         samples_(samples),
         stats_(stats),
-        b_(buffers),
-        shading_(shading),
         stride_(world.lanes.lane_stride()) {}
 
-  /// The share of light that a partly transparent surface lets by goes straight on.
-  void pass_through(const Fan& fan, const LaneMask& lanes, float path_length_m,
-                    std::uint32_t record_number, FanList& next) {
-    Interaction& at = b_.at;
+  /// The share of light that a partly covering surface lets by goes straight on; what is left of
+  /// the throughput is for the surface.
+  /// Shape: coverage in [0, 1] per lane.
+  void pass_by(const FanAtSurface& at, const LaneArray& coverage, LaneArray& throughput,
+               FanList& next) {
+    LaneArray passed;
     bool any = false;
     for (int lane = 0; lane < stride_; ++lane) {
-      const float alpha = at.alpha[lane];
-      reflected_[lane] = at.throughput[lane] * (1.0f - alpha);
-      at.throughput[lane] *= alpha;
-      any |= reflected_[lane] > 0.0f;
+      passed[lane] = throughput[lane] * (1.0f - coverage[lane]);
+      throughput[lane] *= coverage[lane];
+      any |= passed[lane] > 0.0f;
     }
     if (!any) return;
-    const float weight = weight_of(reflected_, samples_[fan.sample].set);
-    if (fan.depth >= settings_.max_depth) {
-      stats_.weight_lost_to_depth += static_cast<double>(weight);
-      return;
-    }
-    add_child(fan, lanes, FanOrigin::Passed, fan.media, at.direction, fan.spread, reflected_,
-              weight, path_length_m, record_number, next);
+    const float weight = weight_of(passed, samples_[at.fan.sample].set);
+    if (ends_here(at.fan, weight)) return;
+    add_child(at,
+              {FanOrigin::Passed, at.fan.spread, at.hit.lanes, at.fan.media, at.hit.direction,
+               passed, weight},
+              next);
   }
 
-  /// The reflected and the refracted child, or below the cutoff one of them for the whole fan.
-  void branch(const Fan& fan, const LaneMask& lanes, Crossing crossing, const MediumStack& behind,
-              float path_length_m, std::uint32_t record_number, FanList& next) {
-    Interaction& at = b_.at;
+  /// A child for every lobe of the surface, or below the cutoff one of them for the whole fan.
+  void branch(const FanAtSurface& at, const LaneArray& throughput, const SurfaceAnswer& answer,
+              FanList& next) {
+    const Fan& fan = at.fan;
     const int set = samples_[fan.sample].set;
-    LaneArray& reflected = reflected_;
-    LaneArray& refracted = refracted_;
-    const bool refracts = crossing != Crossing::None;
-    const D d;
-    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
-      const auto throughput = hn::Load(d, at.throughput.v + i);
-      hn::Store(hn::Mul(throughput, hn::Load(d, shading_.k_r.v + i)), d, reflected.v + i);
-      const auto passed = hn::Mul(throughput, hn::Load(d, shading_.k_t.v + i));
-      hn::Store(refracts ? passed : hn::Zero(d), d, refracted.v + i);
+    std::array<LaneArray, kMaxLobes> arrived;
+    std::array<float, kMaxLobes> weights{};
+    float weight = 0.0f;
+    for (std::size_t i = 0; i < answer.lobe_count; ++i) {
+      multiply(throughput, answer.lobes[i].share, arrived[i]);
+      weights[i] = weight_of(arrived[i], set);
+      weight += weights[i];
     }
-    float reflected_weight = weight_of(reflected, set);
-    float refracted_weight = refracts ? weight_of(refracted, set) : 0.0f;
-    const float weight = reflected_weight + refracted_weight;
-    if (!(weight > 0.0f)) return;
-    if (fan.depth >= settings_.max_depth) {
-      stats_.weight_lost_to_depth += static_cast<double>(weight);
-      return;
-    }
+    if (!(weight > 0.0f) || ends_here(fan, weight)) return;
+    const std::span<float> of_lobes(weights.data(), answer.lobe_count);
     if (settings_.drop) {
-      const auto drop_faint = [&](float& child) {
-        if (child >= settings_.cutoff) return;
-        stats_.weight_lost_to_cutoff += static_cast<double>(child);
-        child = 0.0f;
-      };
-      drop_faint(reflected_weight);
-      drop_faint(refracted_weight);
-    } else if (weight < settings_.cutoff && reflected_weight > 0.0f && refracted_weight > 0.0f) {
-      // One random number for the whole fan, tied to its path: what noise this makes is the same in
-      // all its lanes.
-      const float u = unit_float(static_cast<std::uint32_t>(hash64(fan.path ^ 0x6272616e6368ull)));
-      const float p = reflected_weight / weight;
-      const bool take_reflected = u < p;
-      LaneArray& kept = take_reflected ? reflected : refracted;
-      const float scale = 1.0f / (take_reflected ? p : 1.0f - p);
-      for (int lane = 0; lane < stride_; ++lane) kept[lane] *= scale;
-      reflected_weight = take_reflected ? weight : 0.0f;
-      refracted_weight = take_reflected ? 0.0f : weight;
+      drop_faint(of_lobes);
+    } else if (weight < settings_.cutoff) {
+      keep_one(fan, weight, of_lobes, arrived);
     }
-    if (refracted_weight > 0.0f) {
-      const bool straight = crossing == Crossing::Thin || crossing == Crossing::Hidden;
-      const bool spreads = fan.spread || (!straight && !same_in_all_lanes(lanes));
-      if (spreads && settings_.cluster_lanes > 0) {
-        add_clusters(fan, lanes, behind, refracted, path_length_m, record_number, next);
+    for (std::size_t i = answer.lobe_count; i-- > 0;) {
+      const Lobe& lobe = answer.lobes[i];
+      if (!(weights[i] > 0.0f)) continue;
+      const Child child{lobe.made_by,   fan.spread || lobe.spreads,
+                        at.hit.lanes,   lobe.media,
+                        lobe.direction, arrived[i],
+                        weights[i]};
+      if (child.spread && settings_.cluster_lanes > 0) {
+        add_clusters(at, child, next);
       } else {
-        add_child(fan, lanes, FanOrigin::Refracted, behind, shading_.refracted, spreads, refracted,
-                  refracted_weight, path_length_m, record_number, next);
+        add_child(at, child, next);
       }
     }
-    if (reflected_weight > 0.0f) {
-      add_child(fan, lanes, FanOrigin::Reflected, fan.media, shading_.reflected, fan.spread,
-                reflected, reflected_weight, path_length_m, record_number, next);
+  }
+
+ private:
+  /// A fan to be made.
+  struct Child {
+    FanOrigin made_by;
+    bool spread;
+    LaneMask lanes;
+    const MediumStack& media;
+    const LaneArray3& direction;
+    const LaneArray& throughput;
+    float weight;
+  };
+
+  // Whether the depth limit ends a fan that would have children of some weight.
+  bool ends_here(const Fan& fan, float weight) {
+    if (fan.depth < settings_.max_depth) return false;
+    stats_.weight_lost_to_depth += static_cast<double>(weight);
+    return true;
+  }
+
+  void multiply(const LaneArray& a, const LaneArray& b, LaneArray& product) const {
+    const D d;
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      hn::Store(hn::Mul(hn::Load(d, a.v + i), hn::Load(d, b.v + i)), d, product.v + i);
     }
   }
 
-  /// Says which surface the calls that follow are about.
-  void begin_surface(std::uint32_t surface) { solid_ = world_.geometry.surface_solid[surface]; }
+  // Whitted's plain rule.
+  void drop_faint(std::span<float> weights) {
+    for (float& weight : weights) {
+      if (weight >= settings_.cutoff) continue;
+      stats_.weight_lost_to_cutoff += static_cast<double>(weight);
+      weight = 0.0f;
+    }
+  }
 
- private:
+  // Follows one lobe for all, chosen by weight and divided by its probability. One random number
+  // for the whole fan, tied to its path: what noise this makes is the same in all its lanes.
+  void keep_one(const Fan& fan, float weight, std::span<float> weights,
+                std::array<LaneArray, kMaxLobes>& throughputs) const {
+    const auto has_weight = [](float w) { return w > 0.0f; };
+    if (std::count_if(weights.begin(), weights.end(), has_weight) < 2) return;
+    std::size_t last = weights.size() - 1;
+    while (!has_weight(weights[last])) --last;
+    const float u = unit_float(static_cast<std::uint32_t>(hash64(fan.path ^ 0x6272616e6368ull)));
+    std::size_t kept = 0;
+    float before = 0.0f;
+    float probability = weights[0] / weight;
+    while (kept < last && !(u < before + probability)) {
+      before += probability;
+      ++kept;
+      probability = kept < last ? weights[kept] / weight : 1.0f - before;
+    }
+    const float scale = 1.0f / probability;
+    for (int lane = 0; lane < stride_; ++lane) throughputs[kept][lane] *= scale;
+    std::fill(weights.begin(), weights.end(), 0.0f);
+    weights[kept] = weight;
+  }
+
   float weight_of(const LaneArray& throughput, int set) const {
     const float* importance = world_.importance.data() + static_cast<std::size_t>(set) * stride_;
     // Four sums whatever the width of vectors, so that a weight has the same bits on every level.
@@ -132,97 +160,96 @@ class Branching {
     return hn::GetLane(hn::SumOfLanes(d, sums));
   }
 
-  // The refracted fan as clusters of neighbouring lanes, each along the way of its middle one.
-  void add_clusters(const Fan& parent, const LaneMask& lanes, const MediumStack& behind,
-                    const LaneArray& throughput, float path_length_m, std::uint32_t record_number,
-                    FanList& next) {
+  // A spread fan as clusters of neighbouring lanes, each in the direction of its middle one.
+  void add_clusters(const FanAtSurface& at, const Child& child, FanList& next) {
     const D d;
-    const int set = samples_[parent.sample].set;
+    const int set = samples_[at.fan.sample].set;
     LaneArray3 direction;
-    LaneArray cluster_throughput;
+    LaneArray throughput;
     for (int first = 0; first < world_.lanes.lane_count(); first += settings_.cluster_lanes) {
       const int last = std::min(first + settings_.cluster_lanes, world_.lanes.lane_count());
       LaneMask cluster;
       int middle = -1;
-      Splat(d, stride_, 0.0f, cluster_throughput);
+      Splat(d, stride_, 0.0f, throughput);
       for (int lane = first; lane < last; ++lane) {
-        if (!lanes.test(lane) || !(throughput[lane] > 0.0f)) continue;
+        if (!child.lanes.test(lane) || !(child.throughput[lane] > 0.0f)) continue;
         cluster.set(lane);
-        cluster_throughput[lane] = throughput[lane];
+        throughput[lane] = child.throughput[lane];
         if (middle < 0 || lane <= (first + last) / 2) middle = lane;
       }
       if (middle < 0) continue;
-      Splat(d, stride_, shading_.refracted.get(middle), direction);
-      add_child(parent, cluster, FanOrigin::Refracted, behind, direction, false, cluster_throughput,
-                weight_of(cluster_throughput, set), path_length_m, record_number, next);
+      Splat(d, stride_, child.direction.get(middle), direction);
+      add_child(at,
+                {child.made_by, false, cluster, child.media, direction, throughput,
+                 weight_of(throughput, set)},
+                next);
     }
   }
 
-  // Whether a united fan stays united when it refracts: there is one index for all its lanes.
-  bool same_in_all_lanes(const LaneMask& lanes) const {
-    const float eta = shading_.eta_ti[lanes.front()];
-    return LanesWith(D(), stride_, shading_.eta_ti.v, eta, lanes) == lanes;
-  }
-
-  void add_child(const Fan& parent, const LaneMask& lanes, FanOrigin made_by,
-                 const MediumStack& media, const LaneArray3& directions, bool spread,
-                 const LaneArray& throughput, float weight, float path_length_m,
-                 std::uint32_t record_number, FanList& next) {
-    const Interaction& at = b_.at;
-    Fan fan;
+  void add_child(const FanAtSurface& at, const Child& child, FanList& next) {
     const D d;
+    const Fan& parent = at.fan;
+    Fan fan;
     for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
-      SetLanesFrom(d, hn::Gt(hn::Load(d, throughput.v + i), hn::Zero(d)), i, fan.lanes);
+      SetLanesFrom(d, hn::Gt(hn::Load(d, child.throughput.v + i), hn::Zero(d)), i, fan.lanes);
     }
-    fan.lanes = fan.lanes & lanes;
-    fan.path = hash64(parent.path + static_cast<std::uint64_t>(made_by));
+    fan.lanes = fan.lanes & child.lanes;
+    fan.path = hash64(parent.path + static_cast<std::uint64_t>(child.made_by));
     fan.sample = parent.sample;
-    fan.weight = weight;
-    fan.path_length_m = path_length_m;
+    fan.weight = child.weight;
+    fan.path_length_m = at.path_length_m;
     fan.depth = static_cast<std::uint16_t>(parent.depth + 1);
-    fan.made_by = made_by;
-    const bool turns = parent.first_turn == FanOrigin::Camera && made_by != FanOrigin::Passed;
-    fan.first_turn = turns ? made_by : parent.first_turn;
+    fan.made_by = child.made_by;
+    const bool turns = parent.first_turn == FanOrigin::Camera && child.made_by != FanOrigin::Passed;
+    fan.first_turn = turns ? child.made_by : parent.first_turn;
     // A fan of one lane is one ray.
-    fan.spread = spread && fan.lanes.count() > 1;
+    fan.spread = child.spread && fan.lanes.count() > 1;
     fan.common_origin = fan.spread && !parent.spread;
-    fan.media = media;
-    fan.parent_record = record_number;
+    fan.media = child.media;
+    fan.parent_record = at.record_number;
     fan.data = next.reserve_lanes(fan.spread, stride_);
     float* out = next.pool.data() + fan.data;
-    const int step = static_cast<int>(hn::Lanes(d));
-    for (int i = 0; i < stride_; i += step) {
-      hn::StoreU(hn::IfThenElseZero(LanesFrom(d, fan.lanes, i), hn::Load(d, throughput.v + i)), d,
-                 out + i);
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      hn::StoreU(
+          hn::IfThenElseZero(LanesFrom(d, fan.lanes, i), hn::Load(d, child.throughput.v + i)), d,
+          out + i);
     }
     if (fan.spread) {
-      bool all_inside = true;
-      for (int i = 0; i < stride_; i += step) {
-        const auto direction = Load3(d, directions, i);
-        const auto outward = Load3(d, at.outward, i);
-        const auto position = Load3(d, at.position, i);
-        const auto inside = hn::Lt(Dot3(d, direction, outward), hn::Zero(d));
-        all_inside &= hn::AllFalse(d, hn::AndNot(inside, LanesFrom(d, fan.lanes, i)));
-        const auto offset = hn::Load(d, at.offset_m.v + i);
-        const auto signed_offset = hn::IfThenElse(inside, hn::Neg(offset), offset);
-        const auto origin = Combine3(d, hn::Set(d, 1.0f), position, signed_offset, outward);
-        hn::StoreU(origin.x, d, out + stride_ + i);
-        hn::StoreU(origin.y, d, out + 2 * stride_ + i);
-        hn::StoreU(origin.z, d, out + 3 * stride_ + i);
-        hn::StoreU(direction.x, d, out + 4 * stride_ + i);
-        hn::StoreU(direction.y, d, out + 5 * stride_ + i);
-        hn::StoreU(direction.z, d, out + 6 * stride_ + i);
-      }
-      if (all_inside) fan.inside = solid_;
+      const bool all_inside = store_rays(at.hit, child.direction, fan.lanes, out + stride_);
+      if (all_inside) fan.inside = world_.geometry.surface_solid[at.hit.surface];
     } else {
       const int lane = fan.lanes.front();
-      const Vec3f outward = at.outward.get(lane);
-      fan.direction = directions.get(lane);
-      const float side = glm::dot(fan.direction, outward) < 0.0f ? -1.0f : 1.0f;
-      fan.origin = at.position.get(lane) + (side * at.offset_m[lane]) * outward;
+      fan.direction = child.direction.get(lane);
+      fan.origin = off_surface(at.hit.position.get(lane), at.hit.outward.get(lane),
+                               at.hit.offset_m[lane], fan.direction);
     }
-    const std::uint64_t rays =
-        fan.spread ? static_cast<std::uint64_t>(fan.lanes.count()) : std::uint64_t{1};
+    count(child.made_by, fan.spread ? static_cast<std::uint64_t>(fan.lanes.count()) : 1);
+    next.fans.push_back(fan);
+  }
+
+  // A ray per lane, as FanList has them; whether all of `lanes` go below the surface.
+  bool store_rays(const SurfaceHit& hit, const LaneArray3& directions, const LaneMask& lanes,
+                  float* out) const {
+    const D d;
+    bool all_inside = true;
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      const auto direction = Load3(d, directions, i);
+      const auto outward = Load3(d, hit.outward, i);
+      const auto inside = hn::Lt(Dot3(d, direction, outward), hn::Zero(d));
+      all_inside &= hn::AllFalse(d, hn::AndNot(inside, LanesFrom(d, lanes, i)));
+      const auto origin = OffSurface(d, Load3(d, hit.position, i), outward,
+                                     hn::Load(d, hit.offset_m.v + i), inside);
+      hn::StoreU(origin.x, d, out + i);
+      hn::StoreU(origin.y, d, out + stride_ + i);
+      hn::StoreU(origin.z, d, out + 2 * stride_ + i);
+      hn::StoreU(direction.x, d, out + 3 * stride_ + i);
+      hn::StoreU(direction.y, d, out + 4 * stride_ + i);
+      hn::StoreU(direction.z, d, out + 5 * stride_ + i);
+    }
+    return all_inside;
+  }
+
+  void count(FanOrigin made_by, std::uint64_t rays) {
     switch (made_by) {
       case FanOrigin::Reflected:
         stats_.reflected_rays += rays;
@@ -234,18 +261,13 @@ class Branching {
         stats_.passed_rays += rays;
         break;
     }
-    next.fans.push_back(fan);
   }
 
   const World& world_;
   const IntegratorSettings& settings_;
   std::span<const CameraSample> samples_;
   IntegratorStats& stats_;
-  IntegratorScratch::Buffers& b_;
-  const Shading& shading_;
   const int stride_;
-  std::uint32_t solid_ = kNoPrimitive;  ///< Of the surface at hand, if it is an exact shape's.
-  LaneArray reflected_, refracted_;     ///< Throughputs of the children being made.
 };
 
 }  // namespace HWY_NAMESPACE

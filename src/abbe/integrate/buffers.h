@@ -11,8 +11,6 @@
 #include "abbe/integrate/fan.h"
 #include "abbe/integrate/integrator.h"
 #include "abbe/integrate/light/coherent_shadow_rays.h"
-#include "abbe/integrate/surface/interaction.h"
-#include "abbe/integrate/surface/point.h"
 
 namespace abbe {
 
@@ -57,7 +55,6 @@ struct IntegratorScratch::Buffers {
   std::vector<RayPacket> packets;
   std::vector<HitPacket> packet_hits;
   std::vector<std::uint32_t> first_query;  ///< Per fan of the batch.
-  std::array<SurfacePoint, kMaxLanes> points;
 
   // Any-hit queries towards lights.
   std::vector<ShadowJob> shadow_jobs;
@@ -71,7 +68,6 @@ struct IntegratorScratch::Buffers {
     return shadow_queries[job.ends_at_glass];
   }
 
-  Interaction at;
   AlignedVector<float> local_light;   ///< Emission and ambient light, per sample and lane.
   AlignedVector<float> direct_light;  ///< Light from lights, likewise: two sums, so that the
                                       ///< order of each does not depend on batching.

@@ -1,51 +1,17 @@
 /// Fans: what one camera sample has become, one ray per wavelength lane.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "abbe/accel/query.h"
 #include "abbe/base/aligned.h"
-#include "abbe/base/constants.h"
+#include "abbe/integrate/surface/media.h"
 #include "abbe/math/lane_mask.h"
 #include "abbe/math/vec.h"
 
 namespace abbe {
-
-/// The media a ray is in, innermost last: numbers of materials. Where more nest than fit, the
-/// outermost is forgotten.
-class MediumStack {
- public:
-  bool empty() const { return count_ == 0; }
-  std::uint32_t top() const { return materials_[count_ - 1]; }
-  bool contains(std::uint32_t material) const {
-    for (std::size_t i = 0; i < count_; ++i) {
-      if (materials_[i] == material) return true;
-    }
-    return false;
-  }
-  void push(std::uint32_t material) {
-    if (count_ == materials_.size()) remove_at(0);
-    materials_[count_++] = static_cast<std::uint16_t>(material);
-  }
-  /// Removes the innermost entry of that material, if there is one.
-  void remove(std::uint32_t material) {
-    for (std::size_t i = count_; i-- > 0;) {
-      if (materials_[i] == material) return remove_at(i);
-    }
-  }
-
- private:
-  void remove_at(std::size_t i) {
-    for (; i + 1 < count_; ++i) materials_[i] = materials_[i + 1];
-    --count_;
-  }
-
-  std::array<std::uint16_t, 7> materials_{};
-  std::uint16_t count_ = 0;
-};
 
 /// What led to a fan; also its place in the path word that random numbers belong to.
 enum class FanOrigin : std::uint8_t { Camera, Reflected, Refracted, Passed };

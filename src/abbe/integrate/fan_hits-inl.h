@@ -13,13 +13,25 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "abbe/integrate/buffers.h"
+#include "abbe/integrate/surface/hit.h"
 #include "abbe/integrate/surface/point_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
+
+/// The hits of fans [first, first + first_query.size()) of a list.
+struct BatchHits {
+  std::size_t first = 0;
+  std::span<const Hit> hits;                   ///< Of united fans.
+  std::span<const HitPacket> packets;          ///< Of spread ones.
+  std::span<const std::uint32_t> first_query;  ///< A fan's place in hits, or in packets its first.
+
+  std::uint32_t query_of(std::size_t fan) const { return first_query[fan - first]; }
+};
 
 /// Where the fans of a batch meet surfaces, and which lanes of a spread fan go on together.
 template <class D>
@@ -28,10 +40,97 @@ class FanHits {
   FanHits(const World& world, IntegratorScratch::Buffers& buffers)
       : world_(world), b_(buffers), stride_(world.lanes.lane_stride()) {}
 
-  /// Asks for the hits of fans [first, last): b_.first_query tells a fan's place in b_.hits, or of
-  /// its first packet in b_.packet_hits.
-  void find_hits(const FanList& list, std::size_t first, std::size_t last) {
-    if (list.fans[first].depth == 0) return find_camera_hits(list, first, last);
+  /// Asks for the hits of fans [first, last), which stand until it is asked again.
+  BatchHits find_hits(const FanList& list, std::size_t first, std::size_t last) {
+    if (list.fans[first].depth == 0) {
+      find_camera_hits(list, first, last);
+    } else {
+      find_fan_hits(list, first, last);
+    }
+    return {first, b_.hits, b_.packet_hits, b_.first_query};
+  }
+
+  /// Asks for the memory that shading the fans of a batch will read, of which `at` is next. Domain:
+  /// for each of them in turn.
+  void fetch_geometry(const FanList& list, const BatchHits& batch, std::size_t at) const {
+    if (world_.geometry.triangles.size() < kFewTriangles) return;
+    const std::size_t last = batch.first + batch.first_query.size();
+    const bool is_first = at == batch.first;
+    for (std::size_t i = is_first ? at : at + 2 * kFansAhead; i <= at + 2 * kFansAhead; ++i) {
+      if (i < last) fetch_triangles(list.fans[i], batch, i);
+    }
+    for (std::size_t i = is_first ? at : at + kFansAhead; i <= at + kFansAhead; ++i) {
+      if (i < last) fetch_corners(list.fans[i], batch, i);
+    }
+  }
+
+  /// The rays of a spread fan and their hits, lane by lane.
+  HitLanes hits_of(const FanList& list, const BatchHits& batch, std::size_t number) const {
+    HitLanes hits;
+    const float* pool = list.pool.data() + list.fans[number].data;
+    float* arrays[6] = {hits.origin.x.v,    hits.origin.y.v,    hits.origin.z.v,
+                        hits.direction.x.v, hits.direction.y.v, hits.direction.z.v};
+    for (int a = 0; a < 6; ++a) {
+      std::copy(pool + (a + 1) * stride_, pool + (a + 2) * stride_, arrays[a]);
+    }
+    for (int block = 0; block * kPacketLanes < stride_; ++block) {
+      const HitPacket& packet = batch.packets[batch.query_of(number) + block];
+      const int begin = block * kPacketLanes;
+      std::copy(packet.t, packet.t + kPacketLanes, hits.t.v + begin);
+      std::copy(packet.u, packet.u + kPacketLanes, hits.u.v + begin);
+      std::copy(packet.v, packet.v + kPacketLanes, hits.v.v + begin);
+      std::copy(packet.primitive, packet.primitive + kPacketLanes, hits.primitive + begin);
+    }
+    return hits;
+  }
+
+  /// Lanes that met nothing.
+  LaneMask missed(const HitLanes& hits, const LaneMask& lanes) const {
+    return LanesWith(D(), stride_, hits.primitive, kNoPrimitive, lanes);
+  }
+
+  /// Calls visit(hit) for each group of lanes that met one surface from one side.
+  /// Domain: all of `left` met something.
+  template <class Visit>
+  void for_each_group(const HitLanes& hits, LaneMask left, Visit&& visit) {
+    find_surfaces(hits, left);
+    while (left.any()) {
+      const int leader = left.front();
+      SurfaceHit hit;
+      for (int m = 0; m < met_count_; ++m) {
+        if (met_lanes_[m].test(leader)) hit.surface = met_surface_[m];
+      }
+      LaneMask group;
+      for (int m = 0; m < met_count_; ++m) {
+        if (met_surface_[m] == hit.surface) group = group | met_lanes_[m];
+      }
+      hit.front = met_front_.test(leader);
+      hit.lanes = left & (hit.front ? group & met_front_ : group - met_front_);
+      left = left - hit.lanes;
+      gather_group(hits, hit);
+      visit(std::as_const(hit));
+    }
+  }
+
+  /// The hit of a united fan.
+  SurfaceHit united_hit(const Fan& fan, const Hit& met, const SurfacePoint& point) const {
+    const D d;
+    SurfaceHit hit;
+    hit.lanes = fan.lanes;
+    hit.surface = point.surface;
+    hit.front = glm::dot(fan.direction, point.normal) < 0.0f;
+    hit.points = {&point, 1};
+    Splat(d, stride_, point.position, hit.position);
+    Splat(d, stride_, fan.direction, hit.direction);
+    Splat(d, stride_, point.normal, hit.outward);
+    Splat(d, stride_, hit.front ? point.shading_normal : -point.shading_normal, hit.normal);
+    Splat(d, stride_, point.offset_m, hit.offset_m);
+    Splat(d, stride_, met.t, hit.distance_m);
+    return hit;
+  }
+
+ private:
+  void find_fan_hits(const FanList& list, std::size_t first, std::size_t last) {
     b_.rays.clear();
     b_.packets.clear();
     b_.first_query.clear();
@@ -56,69 +155,6 @@ class FanHits {
     trace_packets();
   }
 
-  /// Asks for the memory that shading fans [first, last) will read, of which `at` is next. Domain:
-  /// after find_hits(), for each of them in turn.
-  void fetch_geometry(const FanList& list, std::size_t first, std::size_t last, std::size_t at) {
-    if (world_.geometry.triangles.size() < kFewTriangles) return;
-    for (std::size_t i = at == first ? at : at + 2 * kFansAhead; i <= at + 2 * kFansAhead; ++i) {
-      if (i < last) fetch_triangles(list.fans[i], b_.first_query[i - first]);
-    }
-    for (std::size_t i = at == first ? at : at + kFansAhead; i <= at + kFansAhead; ++i) {
-      if (i < last) fetch_corners(list.fans[i], b_.first_query[i - first]);
-    }
-  }
-
-  /// Takes up the hits of a spread fan, of which for_each_group then gives the groups.
-  void load_hits(const Fan& fan, const FanList& list, std::uint32_t first_packet) {
-    const float* pool = list.pool.data() + fan.data;
-    float* arrays[6] = {hits_.origin.x.v,    hits_.origin.y.v,    hits_.origin.z.v,
-                        hits_.direction.x.v, hits_.direction.y.v, hits_.direction.z.v};
-    for (int a = 0; a < 6; ++a) {
-      std::copy(pool + (a + 1) * stride_, pool + (a + 2) * stride_, arrays[a]);
-    }
-    for (int block = 0; block * kPacketLanes < stride_; ++block) {
-      const HitPacket& packet = b_.packet_hits[first_packet + block];
-      const int begin = block * kPacketLanes;
-      std::copy(packet.t, packet.t + kPacketLanes, hits_.t.v + begin);
-      std::copy(packet.u, packet.u + kPacketLanes, hits_.u.v + begin);
-      std::copy(packet.v, packet.v + kPacketLanes, hits_.v.v + begin);
-      std::copy(packet.primitive, packet.primitive + kPacketLanes, hits_.primitive + begin);
-    }
-  }
-
-  /// The hits of the fan taken up.
-  const HitLanes& hits() const { return hits_; }
-
-  /// Lanes of the fan taken up that met nothing.
-  LaneMask missed(const LaneMask& lanes) const {
-    return LanesWith(D(), stride_, hits_.primitive, kNoPrimitive, lanes);
-  }
-
-  /// Calls visit(lanes, surface, front) for each group of lanes that met one surface from one side,
-  /// with what shading needs of them in b_.at.
-  /// Domain: all of `left` met something; throughput per lane.
-  template <class Visit>
-  void for_each_group(LaneMask left, const float* throughput, Visit&& visit) {
-    find_surfaces(left);
-    while (left.any()) {
-      const int leader = left.front();
-      std::uint32_t surface = 0;
-      for (int m = 0; m < met_count_; ++m) {
-        if (met_lanes_[m].test(leader)) surface = met_surface_[m];
-      }
-      LaneMask group;
-      for (int m = 0; m < met_count_; ++m) {
-        if (met_surface_[m] == surface) group = group | met_lanes_[m];
-      }
-      const bool front = met_front_.test(leader);
-      group = left & (front ? group & met_front_ : group - met_front_);
-      left = left - group;
-      gather_group(group, leader, front, throughput);
-      visit(group, surface, front);
-    }
-  }
-
- private:
   // Rays of neighbouring camera samples go the same way: sixteen of them are a packet.
   void find_camera_hits(const FanList& list, std::size_t first, std::size_t last) {
     b_.packets.clear();
@@ -152,30 +188,32 @@ class FanHits {
 
   // Calls visit(triangle) for the triangles that a fan met, seldom twice for the same.
   template <class Visit>
-  HWY_INLINE void for_each_triangle(const Fan& fan, std::uint32_t query, const Visit& visit) const {
+  HWY_INLINE void for_each_triangle(const Fan& fan, const BatchHits& batch, std::size_t number,
+                                    const Visit& visit) const {
     const auto triangles = static_cast<std::uint32_t>(world_.geometry.triangles.size());
+    const std::uint32_t query = batch.query_of(number);
     if (!fan.spread) {
-      if (b_.hits[query].primitive < triangles) visit(b_.hits[query].primitive);
+      if (batch.hits[query].primitive < triangles) visit(batch.hits[query].primitive);
       return;
     }
     std::uint32_t before = kNoPrimitive;
     for (int block = 0; block * kPacketLanes < stride_; ++block) {
-      for (const std::uint32_t primitive : b_.packet_hits[query + block].primitive) {
+      for (const std::uint32_t primitive : batch.packets[query + block].primitive) {
         if (primitive < triangles && primitive != before) visit(primitive);
         before = primitive;
       }
     }
   }
 
-  void fetch_triangles(const Fan& fan, std::uint32_t query) const {
-    for_each_triangle(fan, query, [&](std::uint32_t triangle) {
+  void fetch_triangles(const Fan& fan, const BatchHits& batch, std::size_t number) const {
+    for_each_triangle(fan, batch, number, [&](std::uint32_t triangle) {
       hwy::Prefetch(&world_.geometry.primitive_surface[triangle]);
       hwy::Prefetch(&world_.geometry.triangles[triangle]);
     });
   }
 
-  void fetch_corners(const Fan& fan, std::uint32_t query) const {
-    for_each_triangle(fan, query, [&](std::uint32_t triangle) {
+  void fetch_corners(const Fan& fan, const BatchHits& batch, std::size_t number) const {
+    for_each_triangle(fan, batch, number, [&](std::uint32_t triangle) {
       const Surface& surface =
           world_.geometry.surfaces[world_.geometry.primitive_surface[triangle]];
       for (const std::uint32_t corner : world_.geometry.triangles[triangle]) {
@@ -212,22 +250,21 @@ class FanHits {
     packet.inside = fan.inside;
   }
   // Geometry at the hits of `lanes`, primitive by primitive; most fans met only one.
-  void find_surfaces(LaneMask left) {
+  void find_surfaces(const HitLanes& hits, LaneMask left) {
     const D d;
     met_count_ = 0;
     met_front_ = LaneMask();
     const LaneMask lanes = left;
     while (left.any()) {
       const int leader = left.front();
-      const std::uint32_t primitive = hits_.primitive[leader];
+      const std::uint32_t primitive = hits.primitive[leader];
       const std::uint32_t surface = world_.geometry.primitive_surface[primitive];
       LaneMask filled;
       if (has_attributes(world_, world_.geometry.surfaces[surface])) {
-        filled = LanesWith(d, stride_, hits_.primitive, primitive, left);
-        find_points(filled, primitive);
+        filled = LanesWith(d, stride_, hits.primitive, primitive, left);
+        find_points(hits, filled, primitive);
       } else {
-        filled = FillSurfaceLanes(d, stride_, world_, hits_, left, leader, met_);
-        b_.points[leader].surface = surface;
+        filled = FillSurfaceLanes(d, stride_, world_, hits, left, leader, met_);
       }
       met_lanes_[met_count_] = filled;
       met_surface_[met_count_] = surface;
@@ -235,23 +272,23 @@ class FanHits {
       left = left - filled;
     }
     for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
-      const auto cosine = Dot3(d, Load3(d, hits_.direction, i), Load3(d, met_.outward, i));
+      const auto cosine = Dot3(d, Load3(d, hits.direction, i), Load3(d, met_.outward, i));
       SetLanesFrom(d, hn::Lt(cosine, hn::Zero(d)), i, met_front_);
     }
     met_front_ = met_front_ & lanes;
   }
 
   // The same lane by lane, where a triangle has attributes that differ from place to place.
-  void find_points(const LaneMask& lanes, std::uint32_t primitive) {
+  void find_points(const HitLanes& hits, const LaneMask& lanes, std::uint32_t primitive) {
     const bool is_triangle = primitive < world_.geometry.triangles.size();
     const TriangleFrame frame = is_triangle ? triangle_frame(world_, primitive) : TriangleFrame{};
     for (int lane = lanes.front(); lane < world_.lanes.lane_count(); ++lane) {
       if (!lanes.test(lane)) continue;
-      const Hit hit{hits_.t[lane], primitive, hits_.u[lane], hits_.v[lane]};
-      SurfacePoint& point = b_.points[lane];
+      const Hit hit{hits.t[lane], primitive, hits.u[lane], hits.v[lane]};
+      SurfacePoint& point = points_[lane];
       point = is_triangle
                   ? triangle_point(world_, frame, hit)
-                  : surface_point(world_, hits_.origin.get(lane), hits_.direction.get(lane), hit);
+                  : surface_point(world_, hits.origin.get(lane), hits.direction.get(lane), hit);
       met_.position.set(lane, point.position);
       met_.outward.set(lane, point.normal);
       met_.shading_normal.set(lane, point.shading_normal);
@@ -259,34 +296,38 @@ class FanHits {
     }
   }
 
-  // The working set of shading for a group of lanes. Other lanes take the leader's geometry, so
-  // that all numbers are sane, and no throughput.
-  void gather_group(const LaneMask& group, int leader, bool front, const float* throughput) {
+  // The geometry of a hit, of which surface, side and lanes are known. Other lanes take that of the
+  // first, so that all numbers are sane.
+  void gather_group(const HitLanes& hits, SurfaceHit& hit) {
     const D d;
-    Interaction& at = b_.at;
+    const int leader = hit.lanes.front();
+    points_[leader].surface = hit.surface;
+    hit.points_differ = has_attributes(world_, world_.geometry.surfaces[hit.surface]);
+    hit.points = hit.points_differ ? std::span<const SurfacePoint>(points_)
+                                   : std::span<const SurfacePoint>(&points_[leader], 1);
     const auto leader_position = Set3(d, met_.position.get(leader));
-    const auto leader_direction = Set3(d, hits_.direction.get(leader));
+    const auto leader_direction = Set3(d, hits.direction.get(leader));
     const auto leader_outward = Set3(d, met_.outward.get(leader));
     const auto leader_shading = Set3(d, met_.shading_normal.get(leader));
     const auto leader_offset = hn::Set(d, met_.offset_m[leader]);
-    const auto leader_distance = hn::Set(d, hits_.t[leader]);
-    const auto side = hn::Set(d, front ? 1.0f : -1.0f);
+    const auto leader_distance = hn::Set(d, hits.t[leader]);
+    const auto side = hn::Set(d, hit.front ? 1.0f : -1.0f);
     for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
-      const auto member = LanesFrom(d, group, i);
-      Store3(d, Select3(d, member, Load3(d, met_.position, i), leader_position), at.position, i);
-      Store3(d, Select3(d, member, Load3(d, hits_.direction, i), leader_direction), at.direction,
-             i);
-      Store3(d, Select3(d, member, Load3(d, met_.outward, i), leader_outward), at.outward, i);
-      const auto shading = Select3(d, member, Load3(d, met_.shading_normal, i), leader_shading);
+      const auto member = LanesFrom(d, hit.lanes, i);
+      const auto of_member = [&](const LaneArray3& own, const Vec3Of<D>& leading)
+                                 HWY_ATTR { return Select3(d, member, Load3(d, own, i), leading); };
+      Store3(d, of_member(met_.position, leader_position), hit.position, i);
+      Store3(d, of_member(hits.direction, leader_direction), hit.direction, i);
+      Store3(d, of_member(met_.outward, leader_outward), hit.outward, i);
+      const auto shading = of_member(met_.shading_normal, leader_shading);
       Store3(
           d,
           Vec3Of<D>{hn::Mul(side, shading.x), hn::Mul(side, shading.y), hn::Mul(side, shading.z)},
-          at.normal, i);
+          hit.normal, i);
       hn::Store(hn::IfThenElse(member, hn::Load(d, met_.offset_m.v + i), leader_offset), d,
-                at.offset_m.v + i);
-      hn::Store(hn::IfThenElse(member, hn::Load(d, hits_.t.v + i), leader_distance), d,
-                at.distance_m.v + i);
-      hn::Store(hn::IfThenElseZero(member, hn::LoadU(d, throughput + i)), d, at.throughput.v + i);
+                hit.offset_m.v + i);
+      hn::Store(hn::IfThenElse(member, hn::Load(d, hits.t.v + i), leader_distance), d,
+                hit.distance_m.v + i);
     }
   }
 
@@ -294,13 +335,13 @@ class FanHits {
   IntegratorScratch::Buffers& b_;
   const int stride_;
 
-  // Of the spread fan taken up: its hits, and the primitives that its lanes met.
-  HitLanes hits_;
+  // Room for the primitives that the lanes of one fan met, for for_each_group().
   SurfaceLanes met_;
   int met_count_ = 0;
   std::array<LaneMask, kMaxLanes> met_lanes_;
   std::array<std::uint32_t, kMaxLanes> met_surface_;
   LaneMask met_front_;
+  std::array<SurfacePoint, kMaxLanes> points_;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -39,12 +39,10 @@ IntegratorScratch::IntegratorScratch(IntegratorScratch&&) noexcept = default;
 IntegratorScratch::~IntegratorScratch() = default;
 
 void trace_samples(const World& world, const IntegratorSettings& settings,
-                   std::span<const CameraSample> samples, std::span<float> radiance,
-                   std::span<FirstHit> first_hits, IntegratorStats& stats,
-                   IntegratorScratch& scratch, std::vector<FanRecord>* recorder,
-                   const SampleLayers& layers) {
+                   std::span<const CameraSample> samples, const SampleResults& results,
+                   IntegratorStats& stats, IntegratorScratch& scratch) {
   HWY_DYNAMIC_DISPATCH(TraceSamples)
-  (world, settings, samples, radiance, first_hits, stats, scratch.buffers(), recorder, layers);
+  (world, settings, samples, results, stats, scratch.buffers());
 }
 
 }  // namespace abbe

@@ -89,10 +89,15 @@ enum class LightPart : std::uint8_t {
 };
 inline constexpr std::size_t kLightParts = 5;
 
-/// Further results per lane, each only where it has room.
-struct SampleLayers {
-  std::span<float> light_parts;  ///< samples × kLightParts × lane_stride, or empty.
-  std::span<float> albedo;  ///< samples × lane_stride: base colour of the first hit, or empty.
+/// Room for what is found along camera samples; all but radiance may be empty.
+struct SampleResults {
+  /// samples × lane_stride: per lane W·m⁻²·sr⁻¹·nm⁻¹ (of a line lane: without nm⁻¹); in RGB modes
+  /// cd/m².
+  std::span<float> radiance;
+  std::span<FirstHit> first_hits = {};  ///< One per sample.
+  std::span<float> light_parts = {};    ///< samples × kLightParts × lane_stride.
+  std::span<float> albedo = {};         ///< samples × lane_stride: base colour of the first hit.
+  std::vector<FanRecord>* records = nullptr;  ///< See record.h.
 };
 
 /// Counts of what was done, summed over threads by the caller.
@@ -126,16 +131,11 @@ class IntegratorScratch {
   std::unique_ptr<Buffers> buffers_;
 };
 
-/// Radiance that arrives along each camera sample.
-/// Shape:  radiance holds samples.size() × lane_stride values; first_hits is empty or as long as
-///         samples.
-/// Units:  per lane W·m⁻²·sr⁻¹·nm⁻¹ (of a line lane: without nm⁻¹); in RGB modes cd/m².
+/// Radiance that arrives along each camera sample, written to `results`.
 /// The result of a sample does not depend on the others: its sums are taken in an order that
-/// follows from its own fans alone. `recorder` may be null; see record.h.
+/// follows from its own fans alone.
 void trace_samples(const World& world, const IntegratorSettings& settings,
-                   std::span<const CameraSample> samples, std::span<float> radiance,
-                   std::span<FirstHit> first_hits, IntegratorStats& stats,
-                   IntegratorScratch& scratch, std::vector<FanRecord>* recorder = nullptr,
-                   const SampleLayers& layers = {});
+                   std::span<const CameraSample> samples, const SampleResults& results,
+                   IntegratorStats& stats, IntegratorScratch& scratch);
 
 }  // namespace abbe

@@ -46,8 +46,7 @@ void FanRecorder::miss(const Fan& fan, const FanList& list, const LaneMask& miss
   records_->push_back(std::move(record));
 }
 
-void FanRecorder::arrive(const Fan& fan, const LaneMask& lanes, std::uint32_t surface, bool front,
-                         const Interaction& at) {
+void FanRecorder::arrive(const Fan& fan, const SurfaceHit& hit, const LaneArray& throughput) {
   if (records_ == nullptr) return;
   FanRecord& record = records_->emplace_back();
   record.parent = fan.parent_record;
@@ -56,34 +55,35 @@ void FanRecorder::arrive(const Fan& fan, const LaneMask& lanes, std::uint32_t su
   record.depth = fan.depth;
   record.weight = fan.weight;
   record.is_hit = true;
-  record.enters = front;
-  record.surface = surface;
+  record.enters = hit.front;
+  record.surface = hit.surface;
   for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
-    if (!lanes.test(lane)) continue;
+    if (!hit.lanes.test(lane)) continue;
     LaneRecord& entry = record.lanes.emplace_back();
     entry.lane = lane;
     entry.wavelength_nm = wavelength_nm(fan, lane);
-    entry.position = at.position.get(lane);
-    entry.direction = at.direction.get(lane);
-    entry.normal = at.normal.get(lane);
-    entry.throughput = at.throughput[lane];
+    entry.position = hit.position.get(lane);
+    entry.direction = hit.direction.get(lane);
+    entry.normal = hit.normal.get(lane);
+    entry.throughput = throughput[lane];
   }
 }
 
-void FanRecorder::shade(Crossing crossing, const BoundaryRows& rows, const Interaction& at,
-                        const Shading& shading) {
+void FanRecorder::shade(const MediumChange& change, const BoundaryRows& rows, const SurfaceHit& hit,
+                        const MaterialLanes& at, const SurfaceAnswer& answer) {
   if (records_ == nullptr) return;
+  const Lobe* reflection = answer.lobe(FanOrigin::Reflected);
+  const Lobe* refraction = answer.lobe(FanOrigin::Refracted);
   for (LaneRecord& entry : records_->back().lanes) {
     const int lane = entry.lane;
-    const Vec3f normal = at.normal.get(lane);
-    entry.angle_incident_rad = angle_between(-at.direction.get(lane), normal);
+    const Vec3f normal = hit.normal.get(lane);
+    entry.angle_incident_rad = angle_between(-hit.direction.get(lane), normal);
     entry.n_incident = rows.n_incident != nullptr ? rows.n_incident[lane] : 1.0f;
     entry.n_transmitted = rows.n_transmitted != nullptr ? rows.n_transmitted[lane] : 1.0f;
-    entry.k_r = shading.k_r[lane];
-    entry.k_t = crossing == Crossing::None ? 0.0f : shading.k_t[lane];
-    const bool refracts = crossing == Crossing::Enter || crossing == Crossing::Leave;
-    if (refracts && shading.k_t[lane] > 0.0f) {
-      entry.angle_refracted_rad = angle_between(shading.refracted.get(lane), -normal);
+    entry.k_r = reflection != nullptr ? reflection->share[lane] : 0.0f;
+    entry.k_t = refraction != nullptr ? refraction->share[lane] : 0.0f;
+    if (entry.k_t > 0.0f && !change.goes_straight()) {
+      entry.angle_refracted_rad = angle_between(refraction->direction.get(lane), -normal);
     }
     entry.local_light = at.emission[lane];
   }

@@ -7,19 +7,9 @@
 
 #include "abbe/integrate/integrator.h"
 #include "abbe/integrate/record.h"
-#include "abbe/integrate/surface/interaction.h"
-#include "abbe/integrate/surface/shading.h"
+#include "abbe/integrate/surface/answer.h"
 
 namespace abbe {
-
-/// What a boundary does to the stack of media.
-enum class Crossing : std::uint8_t {
-  None,    ///< Opaque: there is no other side.
-  Thin,    ///< A sheet in one medium.
-  Enter,   ///< Into the material's medium.
-  Leave,   ///< Out of it.
-  Hidden,  ///< Out of a medium inside which another one has begun: no boundary for light.
-};
 
 /// Appends records to a list; without a list it does nothing.
 class FanRecorder {
@@ -35,11 +25,10 @@ class FanRecorder {
   /// Lanes of a fan that left the scene.
   void miss(const Fan& fan, const FanList& list, const LaneMask& missed);
   /// Lanes that met a surface together, with how they arrived.
-  void arrive(const Fan& fan, const LaneMask& lanes, std::uint32_t surface, bool front,
-              const Interaction& at);
+  void arrive(const Fan& fan, const SurfaceHit& hit, const LaneArray& throughput);
   /// Completes the record that arrive() began with what the surface does.
-  void shade(Crossing crossing, const BoundaryRows& rows, const Interaction& at,
-             const Shading& shading);
+  void shade(const MediumChange& change, const BoundaryRows& rows, const SurfaceHit& hit,
+             const MaterialLanes& at, const SurfaceAnswer& answer);
   /// Adds light from lamps to a record. `record` is 1 + its number, or 0.
   void add_direct_light(std::uint32_t record, std::span<const float> light,
                         std::span<const float> visibility);

@@ -260,8 +260,9 @@ class Renderer {
     worker.first_hits.assign(settings_.aovs.empty() ? 0 : count, FirstHit{});
     worker.light_parts.resize(has_light_parts_ ? count * kLightParts * stride : 0);
     worker.albedo.resize(has_spectral_albedo_ ? count * stride : 0);
-    trace_samples(world_, integrator_, worker.samples, worker.radiance, worker.first_hits,
-                  worker.stats, worker.scratch, nullptr, {worker.light_parts, worker.albedo});
+    trace_samples(world_, integrator_, worker.samples,
+                  {worker.radiance, worker.first_hits, worker.light_parts, worker.albedo},
+                  worker.stats, worker.scratch);
     for (std::size_t i = 0; i < count; ++i) add_to_film(worker, i);
     worker.samples.clear();
     worker.pixels.clear();

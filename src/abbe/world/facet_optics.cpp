@@ -1,44 +1,30 @@
 #include "abbe/world/facet_optics.h"
 
-#include <cmath>
-#include <complex>
-
-#include "abbe/optics/fresnel.h"
-#include "abbe/optics/thin_film.h"
+#include "abbe/optics/boundary.h"
 
 namespace abbe {
 
 double facet_reflectance(const World& world, const SurfaceMaterial& material, int set, int lane,
                          double cosine, FacetSide side) {
   const auto value = [&](RowId row) { return static_cast<double>(world.row(row, set)[lane]); };
-  std::complex<double> behind = 1.0;
-  double before = 1.0;
-  double bare = 0.0;
-  if (material.metallic > 0.0f) {
-    if (material.is_conductor) {
-      behind = {value(material.conductor_n), value(material.conductor_k)};
-      bare = fresnel_conductor(cosine, behind.real(), behind.imag());
-    } else {
-      // A metal known by its colour alone: under a film, the index of that colour.
-      const double f0 = value(material.base_color);
-      const double root = std::sqrt(std::min(f0, 0.9999));
-      behind = (1.0 + root) / (1.0 - root);
-      bare = fresnel_schlick(cosine, f0, 1.0);
-    }
+  Boundary boundary;
+  if (!(material.metallic > 0.0f)) {
+    (side == FacetSide::Outside ? boundary.n : boundary.n_incident) = value(material.index);
+  } else if (material.is_conductor) {
+    boundary.kind = BoundaryKind::Conductor;
+    boundary.n = value(material.conductor_n);
+    boundary.k = value(material.conductor_k);
   } else {
-    const double n = value(material.index);
-    if (side == FacetSide::Outside) {
-      behind = n;
-    } else {
-      before = n;
-    }
-    bare = fresnel_dielectric(cosine, behind.real() / before).reflectance();
+    boundary.kind = BoundaryKind::ColoredMetal;
+    boundary.f0 = value(material.base_color);
   }
-  if (!material.film || !(material.film->thickness_max_nm > 0.0f)) return bare;
-  const double film = thin_film_reflectance(cosine, before, value(material.film->index), behind,
-                                            static_cast<double>(material.film->thickness_max_nm),
-                                            1.0 / value(world.inverse_wavelength));
-  return bare + static_cast<double>(material.film->factor) * (film - bare);
+  if (material.film) {
+    boundary.film = {value(material.film->index),
+                     static_cast<double>(material.film->thickness_max_nm),
+                     static_cast<double>(material.film->factor)};
+    boundary.wavelength_nm = 1.0 / value(world.inverse_wavelength);
+  }
+  return boundary_reflectance(boundary, cosine);
 }
 
 }  // namespace abbe

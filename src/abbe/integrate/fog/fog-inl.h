@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "abbe/base/constants.h"
-#include "abbe/integrate/surface/shading.h"
+#include "abbe/integrate/light/light_geometry.h"
 #include "abbe/math/lanes-inl.h"
 #include "abbe/optics/fresnel-inl.h"
 #include "abbe/world/world.h"

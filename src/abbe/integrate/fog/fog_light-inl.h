@@ -15,7 +15,7 @@
 #include "abbe/integrate/fog/fog-inl.h"
 #include "abbe/integrate/light/chain_gates-inl.h"
 #include "abbe/integrate/light/point_chains-inl.h"
-#include "abbe/integrate/surface/shade-inl.h"
+#include "abbe/integrate/light/straight_light-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {

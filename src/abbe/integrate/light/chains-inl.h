@@ -12,8 +12,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "abbe/integrate/light/light_geometry.h"
 #include "abbe/integrate/light/lit_pixel-inl.h"
-#include "abbe/integrate/surface/shading.h"
 #include "abbe/math/lanes-inl.h"
 #include "abbe/optics/fresnel-inl.h"
 #include "abbe/world/world.h"

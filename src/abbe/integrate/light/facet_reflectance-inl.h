@@ -8,8 +8,7 @@
 #endif
 
 #include "abbe/math/lanes-inl.h"
-#include "abbe/optics/fresnel-inl.h"
-#include "abbe/optics/thin_film-inl.h"
+#include "abbe/optics/boundary-inl.h"
 #include "abbe/world/world.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -20,35 +19,28 @@ namespace HWY_NAMESPACE {
 template <class D>
 HWY_INLINE VecOf<D> FacetReflectance(D d, const World& world, const SurfaceMaterial& material,
                                      int set, int i, VecOf<D> cosine, bool inside) {
+  const auto row = [&](RowId id) HWY_ATTR { return hn::LoadU(d, world.row(id, set) + i); };
   const auto one = hn::Set(d, 1.0f);
-  auto n_before = one;
-  auto n = one;
-  auto k = hn::Zero(d);
-  auto bare = one;
-  if (material.metallic > 0.0f) {
-    if (material.is_conductor) {
-      n = hn::LoadU(d, world.row(material.conductor_n, set) + i);
-      k = hn::LoadU(d, world.row(material.conductor_k, set) + i);
-      bare = ConductorReflectance(d, cosine, n, k);
-    } else {
-      const auto f0 = hn::LoadU(d, world.row(material.base_color, set) + i);
-      const auto root = hn::Sqrt(hn::Min(f0, hn::Set(d, 0.9999f)));
-      n = hn::Div(hn::Add(one, root), hn::Sub(one, root));
-      bare = SchlickReflectance(d, f0, one, cosine);
-    }
-  } else {
-    const auto index = hn::LoadU(d, world.row(material.index, set) + i);
-    n = inside ? hn::Div(one, index) : index;
-    if (inside) n_before = index;
-    auto cos_transmitted = one;
-    bare = DielectricReflectance(d, cosine, n, &cos_transmitted);
+  const bool is_metal = material.metallic > 0.0f;
+  const auto index = is_metal ? one : row(material.index);
+  const auto n_incident = inside ? index : one;
+  FilmLanes<VecOf<D>> store;
+  const FilmLanes<VecOf<D>>* film = nullptr;
+  if (material.film && material.film->thickness_max_nm > 0.0f) {
+    store = {row(material.film->index), hn::Set(d, material.film->thickness_max_nm),
+             hn::Set(d, material.film->factor), row(world.inverse_wavelength)};
+    film = &store;
   }
-  if (!material.film || !(material.film->thickness_max_nm > 0.0f)) return bare;
-  const auto waves = hn::Mul(hn::Mul(hn::Set(d, material.film->thickness_max_nm), n_before),
-                             hn::LoadU(d, world.row(world.inverse_wavelength, set) + i));
-  const auto film_n = hn::Div(hn::LoadU(d, world.row(material.film->index, set) + i), n_before);
-  const auto film = ThinFilmReflectance(d, cosine, film_n, n, k, waves);
-  return hn::Add(bare, hn::Mul(hn::Set(d, material.film->factor), hn::Sub(film, bare)));
+  if (!is_metal) {
+    auto cos_transmitted = one;
+    const auto eta = inside ? hn::Div(one, index) : index;
+    return DielectricBoundary(d, film, cosine, eta, n_incident, &cos_transmitted);
+  }
+  if (!material.is_conductor) {
+    return ColoredMetalBoundary(d, film, cosine, row(material.base_color), n_incident);
+  }
+  return ConductorBoundary(d, film, cosine, row(material.conductor_n), row(material.conductor_k),
+                           n_incident);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -28,7 +28,7 @@
 #include "abbe/integrate/light/facet_reflectance-inl.h"
 #include "abbe/integrate/light/point_bounds-inl.h"
 #include "abbe/integrate/light/point_shot-inl.h"
-#include "abbe/integrate/surface/shade-inl.h"
+#include "abbe/integrate/light/straight_light-inl.h"
 #include "abbe/world/world.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "abbe/integrate/surface/material_sample.h"
-#include "abbe/optics/fresnel.h"
-#include "abbe/optics/thin_film.h"
+#include "abbe/optics/boundary.h"
 
 namespace abbe {
 namespace {
@@ -120,28 +119,13 @@ class Passer {
         surface_point(world_, passage.ray.origin, passage.ray.direction, hit);
     const std::uint32_t number = world_.geometry.surfaces[point.surface].material;
     const SurfaceMaterial& material = world_.materials[number];
-    const bool is_boundary = material.transmission == Transmission::Medium;
     const bool front = glm::dot(passage.ray.direction, point.normal) < 0.0f;
-    const bool leaves_unknown = is_boundary && !front && !passage.media.contains(number);
-    if (leaves_unknown) {
-      absorb(passage, number, distance_m);
-    } else if (!passage.media.empty()) {
-      absorb(passage, passage.media.top(), distance_m);
+    const MediumChange change = cross(passage.media, number, material.transmission, front);
+    if (change.arrives_in) absorb(passage, *change.arrives_in, distance_m);
+    if (change.crossing != Crossing::Hidden) {
+      pass(passage, material, point, front ? passage.media : change.behind);
     }
-
-    // Leaving a medium inside which another one begins is no boundary for light.
-    const bool hidden = is_boundary && !front && !leaves_unknown && passage.media.top() != number;
-    if (is_boundary) {
-      if (front) {
-        cross(passage, material, point);
-        passage.media.push(number);
-      } else {
-        passage.media.remove(number);
-        if (!hidden) cross(passage, material, point);
-      }
-    } else {
-      cross(passage, material, point);
-    }
+    passage.media = change.behind;
 
     const Vec3f origin = off_surface(point, passage.ray.direction);
     passage.ray.t_max -= glm::dot(origin - passage.ray.origin, passage.ray.direction);
@@ -152,17 +136,16 @@ class Passer {
     return lit && passage.ray.t_max > 0.0f;
   }
 
-  // passage.media is the outer medium here.
-  void cross(const Passage& passage, const SurfaceMaterial& material, const SurfacePoint& point) {
+  // Loses what the surface does not let through; `outside` are the media before its front.
+  void pass(const Passage& passage, const SurfaceMaterial& material, const SurfacePoint& point,
+            const MediumStack& outside) {
     const MaterialSample sample = material_sample(world_, material, point, 0.0f);
-    const float* base_row = world_.row(material.base_color, passage.set);
-    const float* n_inside = world_.row(material.index, passage.set);
-    const float* n_outside =
-        passage.media.empty()
-            ? nullptr
-            : world_.row(world_.materials[passage.media.top()].index, passage.set);
-    const float* film_n = material.film ? world_.row(material.film->index, passage.set) : nullptr;
-    const float* inverse_wavelength = world_.row(world_.inverse_wavelength, passage.set);
+    const auto row = [&](RowId id) { return world_.row(id, passage.set); };
+    const float* base_row = row(material.base_color);
+    const float* n_inside = row(material.index);
+    const float* n_outside = outside.empty() ? nullptr : row(world_.materials[outside.top()].index);
+    const float* film_n = material.film ? row(material.film->index) : nullptr;
+    const float* inverse_wavelength = row(world_.inverse_wavelength);
     const float cosine =
         std::min(1.0f, std::abs(glm::dot(passage.ray.direction, point.shading_normal)));
     const float share = (1.0f - sample.metallic) * sample.transmission;
@@ -171,16 +154,14 @@ class Passer {
     for_each_lane(passage.lanes, world_.lanes.lane_count(), [&](int lane) {
       float through = 0.0f;
       if (share > 0.0f && !material.index_is_infinite) {
-        const double outside = n_outside != nullptr ? n_outside[lane] : 1.0f;
-        const double inside = n_inside[lane];
-        double reflectance = fresnel_dielectric(cosine, inside / outside).reflectance();
-        if (film_n != nullptr && sample.film_thickness_nm > 0.0f) {
-          const double film =
-              thin_film_reflectance(cosine, outside, film_n[lane], inside, sample.film_thickness_nm,
-                                    1.0 / inverse_wavelength[lane]);
-          reflectance += sample.film_factor * (film - reflectance);
+        Boundary boundary;
+        if (n_outside != nullptr) boundary.n_incident = n_outside[lane];
+        boundary.n = n_inside[lane];
+        if (film_n != nullptr) {
+          boundary.film = {film_n[lane], sample.film_thickness_nm, sample.film_factor};
+          boundary.wavelength_nm = 1.0 / inverse_wavelength[lane];
         }
-        through = share * static_cast<float>(1.0 - reflectance) *
+        through = share * static_cast<float>(1.0 - boundary_reflectance(boundary, cosine)) *
                   lane_value(world_, sample.base_color, lookup, base_row, passage.set, lane);
       }
       visibility(passage)[lane] *= (1.0f - sample.alpha) + sample.alpha * through;

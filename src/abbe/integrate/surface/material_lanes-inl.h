@@ -9,10 +9,10 @@
 
 #include <span>
 
-#include "abbe/integrate/buffers.h"
-#include "abbe/integrate/integrator.h"
+#include "abbe/integrate/surface/answer.h"
 #include "abbe/integrate/surface/material_sample.h"
-#include "abbe/integrate/surface/shade-inl.h"
+#include "abbe/math/lanes-inl.h"
+#include "abbe/optics/fresnel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
@@ -89,54 +89,60 @@ void ScaleEmission(D d, const World& world, const LaneArray& scale, int set, Lan
   }
 }
 
-/// The material where a group of lanes met it: a value per lane in `at`, of which the points are
-/// `points`. Without a base colour, which takes as long as all the rest, the surface is black.
+/// The same emission in all lanes, or one that differs from lane to lane: `colors` has one entry or
+/// one per lane, and so has `scales_cd_m2`, the luminances of emissions that are looked up alone.
 template <class D>
-void FillMaterial(D d, const World& world, const CameraSample& sample, const Fan& fan,
-                  const LaneMask& lanes, const SurfaceMaterial& material, float path_length_m,
-                  std::span<const SurfacePoint> points, bool wants_base_color, Interaction& at) {
-  const int stride = world.lanes.lane_stride();
-  const float footprint_m = sample.footprint_m + sample.footprint_per_m * path_length_m;
-  const bool varies =
-      material.is_textured() ||
-      world.geometry.surfaces[points[lanes.front()].surface].colors_offset.has_value();
-  const int set = sample.set;
-  if (!wants_base_color) Splat(d, stride, 0.0f, at.base_color);
-  const float* base_row = world.row(material.base_color, set);
-  const float* emission_row = material.emission ? world.row(*material.emission, set) : nullptr;
-  if (!varies || !fan.spread) {
-    const int leader = fan.spread ? lanes.front() : 0;
-    const MaterialSample here = material_sample(world, material, points[leader], footprint_m);
-    Splat(d, stride, here.metallic, at.metallic);
-    Splat(d, stride, here.roughness, at.roughness);
-    Splat(d, stride, here.transmission * (here.metallic < 1.0f ? 1.0f : 0.0f), at.transmission);
-    Splat(d, stride, here.alpha, at.alpha);
-    if (material.film) {
-      Splat(d, stride, here.film_factor, at.film_factor);
-      Splat(d, stride, here.film_thickness_nm, at.film_thickness_nm);
-    }
-    if (wants_base_color) FillColor(d, world, here.base_color, base_row, set, at.base_color);
-    if (!material.emission) {
-      Splat(d, stride, 0.0f, at.emission);
-    } else {
-      FillColor(d, world, here.emission, emission_row, set, at.emission);
-      if (!here.emission.uses_row && !world.lanes.is_rgb(Cause::Lamps)) {
-        LaneArray scale;
-        Splat(d, stride, here.emission_scale, scale);
-        ScaleEmission(d, world, scale, set, at.emission);
-      }
-    }
-    return;
+void FillEmission(D d, const World& world, const SurfaceMaterial& material,
+                  std::span<const ColorSample> colors, const LaneArray& scales_cd_m2, int set,
+                  LaneArray& emission) {
+  if (!material.emission) return Splat(d, world.lanes.lane_stride(), 0.0f, emission);
+  const float* row = world.row(*material.emission, set);
+  if (colors.size() == 1) {
+    FillColor(d, world, colors[0], row, set, emission);
+  } else {
+    FillColor(d, world, colors, row, set, emission);
   }
-  // Other lanes take the leader's material.
+  if (!colors[0].uses_row && !world.lanes.is_rgb(Cause::Lamps)) {
+    ScaleEmission(d, world, scales_cd_m2, set, emission);
+  }
+}
+
+/// The material of a surface that is the same where all lanes met it.
+template <class D>
+void FillUniform(D d, const World& world, const SurfaceMaterial& material,
+                 const MaterialSample& here, int set, bool wants_base_color, MaterialLanes& at) {
+  const int stride = world.lanes.lane_stride();
+  Splat(d, stride, here.metallic, at.metallic);
+  Splat(d, stride, here.roughness, at.roughness);
+  Splat(d, stride, here.metallic < 1.0f ? here.transmission : 0.0f, at.transmission);
+  Splat(d, stride, here.alpha, at.alpha);
+  if (material.film) {
+    Splat(d, stride, here.film_factor, at.film_factor);
+    Splat(d, stride, here.film_thickness_nm, at.film_thickness_nm);
+  }
+  if (wants_base_color) {
+    FillColor(d, world, here.base_color, world.row(material.base_color, set), set, at.base_color);
+  }
+  LaneArray scale;
+  if (material.emission && !here.emission.uses_row) Splat(d, stride, here.emission_scale, scale);
+  FillEmission(d, world, material, std::span(&here.emission, 1), scale, set, at.emission);
+}
+
+/// The material of a surface whose colours differ from lane to lane. Lanes that are not of the hit
+/// take its first one's.
+template <class D>
+void FillVarying(D d, const World& world, const SurfaceHit& hit, float footprint_m, int set,
+                 bool wants_base_color, MaterialLanes& at) {
+  const SurfaceMaterial& material = material_of(world, hit);
+  const int stride = world.lanes.lane_stride();
   const MaterialSample leading =
-      material_sample(world, material, points[lanes.front()], footprint_m);
+      material_sample(world, material, hit.point(hit.lanes.front()), footprint_m);
   ColorSample base[kMaxLanes], emission[kMaxLanes];
   LaneArray emission_scale{};
   for (int lane = 0; lane < stride; ++lane) {
-    const bool member = lane < world.lanes.lane_count() && lanes.test(lane);
+    const bool member = lane < world.lanes.lane_count() && hit.lanes.test(lane);
     const MaterialSample here =
-        member ? material_sample(world, material, points[lane], footprint_m) : leading;
+        member ? material_sample(world, material, hit.point(lane), footprint_m) : leading;
     at.metallic[lane] = here.metallic;
     at.roughness[lane] = here.roughness;
     at.transmission[lane] = here.metallic < 1.0f ? here.transmission : 0.0f;
@@ -147,15 +153,32 @@ void FillMaterial(D d, const World& world, const CameraSample& sample, const Fan
     emission[lane] = here.emission;
     emission_scale[lane] = here.emission_scale;
   }
-  if (wants_base_color) FillColor(d, world, base, base_row, set, at.base_color);
-  if (!material.emission) {
-    Splat(d, stride, 0.0f, at.emission);
-    return;
+  if (wants_base_color) {
+    FillColor(d, world, std::span<const ColorSample>(base), world.row(material.base_color, set),
+              set, at.base_color);
   }
-  FillColor(d, world, emission, emission_row, set, at.emission);
-  if (!leading.emission.uses_row && !world.lanes.is_rgb(Cause::Lamps)) {
-    ScaleEmission(d, world, emission_scale, set, at.emission);
+  FillEmission(d, world, material, std::span<const ColorSample>(emission), emission_scale, set,
+               at.emission);
+}
+
+/// The material where a group of lanes met it. Without a base colour, which takes as long as all
+/// the rest, the surface is black.
+/// Units: footprint_m is the width of the beam there.
+template <class D>
+MaterialLanes MaterialAt(D d, const World& world, const SurfaceHit& hit, float footprint_m, int set,
+                         bool wants_base_color) {
+  const SurfaceMaterial& material = material_of(world, hit);
+  const bool has_colors = world.geometry.surfaces[hit.surface].colors_offset.has_value();
+  MaterialLanes at;
+  if (!wants_base_color) Splat(d, world.lanes.lane_stride(), 0.0f, at.base_color);
+  if (hit.points_differ && (material.is_textured() || has_colors)) {
+    FillVarying(d, world, hit, footprint_m, set, wants_base_color, at);
+  } else {
+    const MaterialSample here =
+        material_sample(world, material, hit.point(hit.lanes.front()), footprint_m);
+    FillUniform(d, world, material, here, set, wants_base_color, at);
   }
+  return at;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -58,10 +58,15 @@ SurfacePoint surface_point(const World& world, const Vec3f& origin, const Vec3f&
 /// The same for a hit on a triangle whose frame is at hand.
 SurfacePoint triangle_point(const World& world, const TriangleFrame& frame, const Hit& hit);
 
-/// A point just off the surface on the side that `side` points to.
-inline Vec3f off_surface(const SurfacePoint& point, const Vec3f& side) {
-  const float sign = glm::dot(side, point.normal) < 0.0f ? -1.0f : 1.0f;
-  return point.position + (sign * point.offset_m) * point.normal;
+/// THE step off a surface, to the side that `direction` points to: where a new ray starts.
+/// Units:  offset_m as SurfacePoint has it, along the unit normal `outward`.
+inline Vec3f off_surface(const Vec3f& position, const Vec3f& outward, float offset_m,
+                         const Vec3f& direction) {
+  const float side = glm::dot(direction, outward) < 0.0f ? -1.0f : 1.0f;
+  return position + (side * offset_m) * outward;
+}
+inline Vec3f off_surface(const SurfacePoint& point, const Vec3f& direction) {
+  return off_surface(point.position, point.normal, point.offset_m, direction);
 }
 
 }  // namespace abbe

@@ -1,7 +1,7 @@
 /// Where the rays of a spread fan met surfaces: surface_point() for all lanes of one primitive at
 /// once. Highway code, compiled once per instruction set.
 ///
-/// Contract. The operations of surface_point.cpp in the same order, without fused multiply-add: a
+/// Contract. The operations of surface/point.cpp in the same order, without fused multiply-add: a
 /// lane gets the same bits as a ray alone, on every instruction set level.
 
 #if defined(ABBE_INTEGRATE_SURFACE_POINT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -41,6 +41,14 @@ HWY_INLINE void BlendedStore3(D d, const Vec3Of<D>& v, hn::Mask<D> mask, LaneArr
   hn::BlendedStore(v.x, mask, d, a.x.v + i);
   hn::BlendedStore(v.y, mask, d, a.y.v + i);
   hn::BlendedStore(v.z, mask, d, a.z.v + i);
+}
+
+/// off_surface() for all lanes; `inside` are those whose rays go below the surface.
+template <class D>
+HWY_INLINE Vec3Of<D> OffSurface(D d, const Vec3Of<D>& position, const Vec3Of<D>& outward,
+                                VecOf<D> offset_m, hn::Mask<D> inside) {
+  const auto signed_offset = hn::IfThenElse(inside, hn::Neg(offset_m), offset_m);
+  return Combine3(d, hn::Set(d, 1.0f), position, signed_offset, outward);
 }
 
 /// w·a + u·b + v·c per lane.

@@ -1,0 +1,86 @@
+/// What a surface does to the lanes of a fan, as values in SIMD layout.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "abbe/integrate/fan.h"
+#include "abbe/integrate/surface/hit.h"
+#include "abbe/integrate/surface/media.h"
+#include "abbe/math/lane_array.h"
+
+namespace abbe {
+
+/// A material where lanes met it.
+struct MaterialLanes {
+  LaneArray base_color;  ///< Reflectance of the base colour.
+  LaneArray emission;    ///< W·m⁻²·sr⁻¹·nm⁻¹, in RGB modes cd/m².
+  LaneArray metallic, roughness, transmission, alpha;
+  LaneArray film_factor, film_thickness_nm;  ///< Filled where the material has a film.
+};
+
+/// What a boundary between media is made of: rows of lanes; null means index 1, no row.
+struct BoundaryRows {
+  bool index_is_infinite = false;  ///< The dielectric part reflects everything.
+  const float* n_incident = nullptr;
+  const float* n_transmitted = nullptr;
+  const float* n_medium = nullptr;     ///< Of the medium that light arrives in.
+  const float* conductor_n = nullptr;  ///< Null: no conductor, metals by Schlick's rule.
+  const float* conductor_k = nullptr;
+  const float* film_n = nullptr;              ///< Of a thin film on the boundary; null: none.
+  const float* inverse_wavelength = nullptr;  ///< In nm⁻¹, with film_n.
+};
+
+/// The boundary of a material for a wavelength set, met on the way from medium to medium.
+BoundaryRows boundary_rows(const World& world, const SurfaceMaterial& material,
+                           const MediumChange& change, int set);
+
+/// A way on which light comes coherently: one direction per lane, and the share of power it has.
+struct Lobe {
+  FanOrigin made_by = FanOrigin::Reflected;
+  bool spreads = false;  ///< Lanes that arrived together part.
+  MediumStack media;     ///< That its rays are in.
+  LaneArray3 direction;  ///< Unit length, away from the surface.
+  LaneArray share;       ///< In [0, 1]; that of all lobes adds up to at most 1.
+};
+
+/// Most coherent lobes of a surface: glass has two, reflection and refraction.
+inline constexpr std::size_t kMaxLobes = 2;
+
+/// What a surface does to the light of a group of lanes.
+struct SurfaceAnswer {
+  LaneArray cos_incident;
+  LaneArray eta_ti;      ///< n_transmitted / n_incident.
+  LaneArray diffuse;     ///< Albedo of diffuse reflection: what no lobe takes.
+  LaneArray inverse_n2;  ///< 1/n² of the medium of arrival: light added here becomes basic.
+  std::array<Lobe, kMaxLobes> lobes;
+  std::size_t lobe_count = 0;
+
+  /// The lobe made that way, or null.
+  const Lobe* lobe(FanOrigin made_by) const {
+    for (std::size_t i = 0; i < lobe_count; ++i) {
+      if (lobes[i].made_by == made_by) return &lobes[i];
+    }
+    return nullptr;
+  }
+};
+
+/// A fan's lanes at a surface: what the fans that it becomes, and light on its way to it, refer to.
+struct FanAtSurface {
+  const Fan& fan;
+  const SurfaceHit& hit;
+  float path_length_m = 0.0f;       ///< From the camera to here.
+  std::uint32_t record_number = 0;  ///< 1 + number of the record of this, or 0.
+};
+
+/// A surface that lamps shine on: all that decides what of their light goes back along the lanes.
+struct LitSurface {
+  const FanAtSurface& where;
+  const MaterialLanes& at;
+  const BoundaryRows& rows;
+  const SurfaceAnswer& answer;
+  const LaneArray& throughput;
+  bool has_rough_lobe = false;
+};
+
+}  // namespace abbe

@@ -1,8 +1,7 @@
 /// Geometry and rays that break accelerators: the catalogue of known traps.
 #include <gtest/gtest.h>
 
-#include "abbe/accel/kd/tree.h"
-#include "accel/brute_force.h"
+#include "accel/judge.h"
 #include "accel/worlds.h"
 
 namespace abbe::test {
@@ -38,20 +37,20 @@ World box_room(int cells) {
 }
 
 // Whether each ray of a closed mesh, from inside, meets it: alone and in packets.
-void expect_no_miss(const World& world, const Vec3f& origin, float spread, int count) {
-  const KdTree tree = KdTree::build(world.spans());
+void expect_no_miss(const World& world, const Accelerator& accelerator, const Vec3f& origin,
+                    float spread, int count) {
   Random random(17);
   const std::vector<Ray> rays = rays_at_edges(random, world, origin, spread, count);
   std::vector<Hit> hits(rays.size());
-  tree.closest_hits(rays, kAllBits, hits);
+  accelerator.closest_hits(rays, kAllBits, hits);
   std::vector<RayPacket> packets;
   for (std::size_t i = 0; i + 16 <= rays.size(); i += 16) {
     packets.push_back(make_packet(std::span(rays).subspan(i, 16)));
   }
   std::vector<HitPacket> packet_hits(packets.size());
   std::vector<std::uint32_t> occluded(packets.size());
-  tree.closest_hits(packets, kAllBits, packet_hits);
-  tree.any_hits(packets, kAllBits, occluded);
+  accelerator.closest_hits(packets, kAllBits, packet_hits);
+  accelerator.any_hits(packets, kAllBits, occluded);
   std::size_t misses = 0, packet_misses = 0, any_misses = 0, differences = 0;
   for (std::size_t i = 0; i < packets.size() * 16; ++i) {
     const Hit in_packet = lane_of(packet_hits[i / 16], static_cast<int>(i % 16));
@@ -66,21 +65,27 @@ void expect_no_miss(const World& world, const Vec3f& origin, float spread, int c
   EXPECT_EQ(differences, 0u);
 }
 
-TEST(Watertight, a_million_rays_at_edges_and_corners_meet_a_closed_mesh) {
+class Watertight : public EveryAccelerator {};
+class Adversarial : public EveryAccelerator {};
+ABBE_FOR_EVERY_ACCELERATOR(Watertight);
+ABBE_FOR_EVERY_ACCELERATOR(Adversarial);
+
+TEST_P(Watertight, a_million_rays_at_edges_and_corners_meet_a_closed_mesh) {
   const World world = closed_sphere(5, Vec3f(0.1f, -0.2f, 0.3f), 1.0f, 0.05f);
-  expect_no_miss(world, Vec3f(0.1f, -0.2f, 0.3f), 0.4f, 1000000 / kRayScale);
+  expect_no_miss(world, *build(world), Vec3f(0.1f, -0.2f, 0.3f), 0.4f, fewer(1000000 / kRayScale));
 }
 
-TEST(Watertight, a_million_rays_ten_kilometres_from_the_origin_meet_a_closed_mesh) {
+TEST_P(Watertight, a_million_rays_ten_kilometres_from_the_origin_meet_a_closed_mesh) {
   const Vec3f center(10000.0f, -10000.0f, 10000.0f);
-  expect_no_miss(closed_sphere(4, center, 10.0f, 0.02f), center, 3.0f, 1000000 / kRayScale);
+  const World world = closed_sphere(4, center, 10.0f, 0.02f);
+  expect_no_miss(world, *build(world), center, 3.0f, fewer(1000000 / kRayScale));
 }
 
-TEST(Watertight, rays_from_far_outside_meet_the_silhouette_side_of_a_closed_mesh) {
+TEST_P(Watertight, rays_from_far_outside_meet_the_silhouette_side_of_a_closed_mesh) {
   // Corners that face the ray's origin are met, by that triangle or one before it.
   const World world = closed_sphere(4, Vec3f(0.0f), 1.0f, 0.0f);
   const Vec3f origin(3000.0f, 2000.0f, 1000.0f);
-  const KdTree tree = KdTree::build(world.spans());
+  const auto accelerator = build(world);
   std::vector<Ray> rays;
   for (const Vec3f& corner : world.positions) {
     if (glm::dot(corner, glm::normalize(origin)) > 0.3f) {
@@ -88,22 +93,22 @@ TEST(Watertight, rays_from_far_outside_meet_the_silhouette_side_of_a_closed_mesh
     }
   }
   std::vector<Hit> hits(rays.size());
-  tree.closest_hits(rays, kAllBits, hits);
+  accelerator->closest_hits(rays, kAllBits, hits);
   for (const Hit& hit : hits) EXPECT_TRUE(hit.is_hit());
 }
 
-TEST(Adversarial, rays_at_edges_and_corners_agree_with_brute_force) {
+TEST_P(Adversarial, rays_at_edges_and_corners_agree_with_the_judge) {
   const World world = closed_sphere(3, Vec3f(0.0f), 1.0f, 0.1f);
-  const KdTree tree = KdTree::build(world.spans());
+  const auto accelerator = build(world);
   Random random(19);
-  expect_right_answers(world, tree, rays_at_edges(random, world, Vec3f(0.0f), 0.3f, 4000));
-  expect_right_answers(world, tree,
+  expect_right_answers(world, *accelerator, rays_at_edges(random, world, Vec3f(0.0f), 0.3f, 4000));
+  expect_right_answers(world, *accelerator,
                        rays_at_edges(random, world, Vec3f(0.0f, 4.0f, 0.0f), 2.0f, 4000));
 }
 
-TEST(Adversarial, rays_in_and_along_planes_agree_with_brute_force) {
+TEST_P(Adversarial, rays_in_and_along_planes_agree_with_the_judge) {
   const World world = box_room(8);
-  const KdTree tree = KdTree::build(world.spans());
+  const auto accelerator = build(world);
   Random random(23);
   std::vector<Ray> rays = random_rays(random, 4000, 1.2f);
   make_directions_awkward(random, rays);
@@ -111,10 +116,10 @@ TEST(Adversarial, rays_in_and_along_planes_agree_with_brute_force) {
     // Onto the grid, so that rays run inside walls and along edges.
     for (int k = 0; k < 3; ++k) ray.origin[k] = std::round(ray.origin[k] * 16.0f) / 16.0f;
   }
-  expect_right_answers(world, tree, rays, kAllBits, 4000);
+  expect_right_answers(world, *accelerator, rays, kAllBits, 4000);
 }
 
-TEST(Adversarial, zero_and_denormal_directions_agree_with_brute_force) {
+TEST_P(Adversarial, zero_and_denormal_directions_agree_with_the_judge) {
   Random random(29);
   World world = random_triangles(random, 1000, 0.3f);
   for (int i = 0; i < 10; ++i) world.add_ellipsoid(Vec3d(random.in_cube(1.0f)), Vec3d(0.2));
@@ -124,10 +129,10 @@ TEST(Adversarial, zero_and_denormal_directions_agree_with_brute_force) {
   }
   std::vector<Ray> rays = random_rays(random, 4000);
   make_directions_awkward(random, rays);
-  expect_right_answers(world, KdTree::build(world.spans()), rays, kAllBits, 1000);
+  expect_right_answers(world, *build(world), rays, kAllBits, 1000);
 }
 
-TEST(Adversarial, huge_and_tiny_worlds_agree_with_brute_force) {
+TEST_P(Adversarial, huge_and_tiny_worlds_agree_with_the_judge) {
   for (const float scale : {1e-9f, 1e9f}) {
     SCOPED_TRACE(testing::Message() << "scale " << scale);
     Random random(31);
@@ -138,11 +143,11 @@ TEST(Adversarial, huge_and_tiny_worlds_agree_with_brute_force) {
       ray.origin *= scale;
       ray.t_max *= scale;
     }
-    expect_right_answers(world, KdTree::build(world.spans()), rays);
+    expect_right_answers(world, *build(world), rays);
   }
 }
 
-TEST(Adversarial, corner_shared_by_a_hundred_triangles_agrees_with_brute_force) {
+TEST_P(Adversarial, corner_shared_by_a_hundred_triangles_agrees_with_the_judge) {
   World world;
   constexpr int kValence = 100;
   const auto rim = [](int i) {
@@ -151,20 +156,20 @@ TEST(Adversarial, corner_shared_by_a_hundred_triangles_agrees_with_brute_force) 
     return Vec3f(std::cos(angle), std::sin(angle), 0.3f);
   };
   for (int i = 0; i < kValence; ++i) world.add_triangle(Vec3f(0.0f), rim(i), rim(i + 1));
-  const KdTree tree = KdTree::build(world.spans());
+  const auto accelerator = build(world);
   Random random(37);
-  expect_right_answers(world, tree, random_rays(random, 2000), kAllBits, 2000);
+  expect_right_answers(world, *accelerator, random_rays(random, 2000), kAllBits, 2000);
   std::vector<Ray> rays;
   for (int i = 0; i < 1000; ++i) {
     const Vec3f origin = random.in_cube(0.5f) + Vec3f(0.0f, 0.0f, 2.0f);
     rays.push_back({origin, kInfinity, -origin});
   }
   std::vector<Hit> hits(rays.size());
-  tree.closest_hits(rays, kAllBits, hits);
+  accelerator->closest_hits(rays, kAllBits, hits);
   for (const Hit& hit : hits) EXPECT_TRUE(hit.is_hit());
 }
 
-TEST(Adversarial, long_needles_build_in_bounded_memory) {
+TEST_P(Adversarial, long_needles_agree_with_the_judge) {
   World world;
   Random random(41);
   constexpr int kCount = 20000;
@@ -172,28 +177,26 @@ TEST(Adversarial, long_needles_build_in_bounded_memory) {
     const Vec3f a = random.in_cube(1.0f), b = random.in_cube(1.0f);
     world.add_triangle(a, b, b + random.in_cube(1e-4f));
   }
-  KdTreeConfig config;
-  const KdTree tree = KdTree::build(world.spans(), config);
-  expect_right_answers(world, tree, random_rays(random, 1600 / kRayScale), kAllBits, 50);
-  // 40 bytes a reference, at most a million of them or four a triangle, and half-filled blocks.
-  EXPECT_LT(tree.bytes(), std::size_t{1 << 20} * 80);
+  expect_right_answers(world, *build(world), random_rays(random, 1600 / kRayScale), kAllBits, 50);
+  // 40 bytes a part, at most a million of them or four a triangle, and half-filled blocks.
+  EXPECT_LT(build(world)->bytes(), std::size_t{1 << 20} * 80);
 }
 
-TEST(Adversarial, identical_triangles_build_in_linear_time_and_the_first_wins) {
+TEST_P(Adversarial, identical_triangles_build_in_linear_time_and_the_first_wins) {
   World world;
   for (int i = 0; i < 200000; ++i) {
     world.triangles.push_back({0, 1, 2});
   }
   world.positions = {{0, 0, 0}, {1, 0.1f, 0.2f}, {0.1f, 1, -0.3f}};
-  const KdTree tree = KdTree::build(world.spans());
-  EXPECT_LT(tree.bytes(), std::size_t{200000} * 60);
+  const auto accelerator = build(world);
+  EXPECT_LT(accelerator->bytes(), std::size_t{200000} * 60);
   const std::vector<Ray> rays(16, Ray{{0.3f, 0.3f, 5.0f}, kInfinity, {0.0f, 0.0f, -1.0f}});
   std::vector<Hit> hits(16);
-  tree.closest_hits(rays, kAllBits, hits);
+  accelerator->closest_hits(rays, kAllBits, hits);
   for (const Hit& hit : hits) EXPECT_EQ(hit.primitive, 0u);
 }
 
-TEST(Adversarial, coplanar_triangles_build_and_agree_with_brute_force) {
+TEST_P(Adversarial, coplanar_triangles_build_and_agree_with_the_judge) {
   World world;
   constexpr int kSide = 354;  // 250 632 triangles.
   for (int y = 0; y <= kSide; ++y) {
@@ -206,8 +209,8 @@ TEST(Adversarial, coplanar_triangles_build_and_agree_with_brute_force) {
       world.triangles.push_back({corner, corner + kSide + 2, corner + kSide + 1});
     }
   }
-  const KdTree tree = KdTree::build(world.spans());
-  EXPECT_LT(tree.bytes(), world.triangles.size() * 100);
+  const auto accelerator = build(world);
+  EXPECT_LT(accelerator->bytes(), world.triangles.size() * 100);
   Random random(43);
   std::vector<Ray> rays;
   for (int i = 0; i < 2000; ++i) {
@@ -218,19 +221,19 @@ TEST(Adversarial, coplanar_triangles_build_and_agree_with_brute_force) {
     rays.push_back({origin, kInfinity, target - origin});
   }
   std::vector<Hit> hits(rays.size());
-  tree.closest_hits(rays, kAllBits, hits);
+  accelerator->closest_hits(rays, kAllBits, hits);
   for (const Hit& hit : hits) {
     ASSERT_TRUE(hit.is_hit());
     EXPECT_NEAR(hit.t, 1.0f, 1e-5f);  // The target lies at t = 1, 300 m from the mesh's corner.
   }
-  expect_right_answers(world, tree, std::span(rays).first(64), kAllBits, 16);
+  expect_right_answers(world, *accelerator, std::span(rays).first(64), kAllBits, 16);
 }
 
-TEST(Adversarial, origin_on_a_primitive_agrees_with_brute_force) {
+TEST_P(Adversarial, origin_on_a_primitive_agrees_with_the_judge) {
   World world = closed_sphere(2, Vec3f(0.0f), 1.0f, 0.0f);
   world.add_ellipsoid(Vec3d(0.0), Vec3d(0.5));
   world.add_box_solid(Vec3d(-0.25), Vec3d(0.25));
-  const KdTree tree = KdTree::build(world.spans());
+  const auto accelerator = build(world);
   Random random(47);
   std::vector<Ray> rays;
   for (int i = 0; i < 2000; ++i) {
@@ -241,7 +244,7 @@ TEST(Adversarial, origin_on_a_primitive_agrees_with_brute_force) {
     if (i % 3 == 2) ray.origin = world.positions[random.below(world.positions.size())];
     rays.push_back(ray);
   }
-  expect_right_answers(world, tree, rays, kAllBits, 2000);
+  expect_right_answers(world, *accelerator, rays, kAllBits, 2000);
 }
 
 }  // namespace

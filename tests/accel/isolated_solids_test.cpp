@@ -42,7 +42,10 @@ TEST(IsolatedSolids, box_with_a_bubble_is_not_alone_but_boxes_a_gap_apart_are) {
   EXPECT_EQ(find_isolated_solids(world.spans()), (std::vector<std::uint8_t>{0, 0, 1}));
 }
 
-TEST(IsolatedSolids, packets_that_name_their_solid_get_the_same_answers) {
+class PacketsInSolids : public EveryAccelerator {};
+ABBE_FOR_EVERY_ACCELERATOR(PacketsInSolids);
+
+TEST_P(PacketsInSolids, packets_that_name_their_solid_get_the_same_answers) {
   Random random(5);
   World world = floor_at(-1.5f);
   world.add_ellipsoid({-2, 0, 0}, {1.0, 0.7, 0.8});
@@ -50,7 +53,7 @@ TEST(IsolatedSolids, packets_that_name_their_solid_get_the_same_answers) {
   world.add_box_solid({0, -1, -1}, {1, 1, 1});
   world.add_box_solid({2, -1, -1}, {3, 1, 1});
   ASSERT_EQ(find_isolated_solids(world.spans()), (std::vector<std::uint8_t>{1, 0, 0, 1}));
-  const KdTree tree = KdTree::build(world.spans());
+  const auto accelerator = build(world);
   const std::vector<Vec3f> centers{{-2, 0, 0}, {0.5f, 0.1f, 0}, {0.5f, -0.5f, 0}, {2.5f, 0, 0}};
   for (int i = 0; i < 400; ++i) {
     const auto solid = static_cast<std::uint32_t>(i % 4);
@@ -63,7 +66,7 @@ TEST(IsolatedSolids, packets_that_name_their_solid_get_the_same_answers) {
     std::vector<RayPacket> packets(2, make_packet(rays));
     packets[1].inside = 1 + solid;
     std::vector<HitPacket> hits(2);
-    tree.closest_hits(std::span<const RayPacket>(packets), kAllBits, std::span<HitPacket>(hits));
+    accelerator->closest_hits(packets, kAllBits, hits);
     for (int lane = 0; lane < kPacketLanes; ++lane) {
       EXPECT_TRUE(is_same(lane_of(hits[0], lane), lane_of(hits[1], lane)))
           << i << ' ' << lane << ' ' << text_of(lane_of(hits[0], lane)) << ' '

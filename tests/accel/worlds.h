@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "accel/brute_force.h"
+#include "accel/judge.h"
 
 namespace abbe::test {
 

@@ -26,7 +26,7 @@
 #include <utility>
 #include <vector>
 
-#include "abbe/accel/kd/tree.h"
+#include "abbe/accel/accelerator.h"
 #include "abbe/base/isa.h"
 #include "abbe/base/parallel.h"
 #include "bench/bench_scenes.h"
@@ -59,7 +59,7 @@ struct Rival {
 
 struct Prepared {
   BenchScene scene;
-  KdTree tree;
+  std::unique_ptr<const Accelerator> tree;
   double build_seconds = 0.0, embree_build_seconds = 0.0;
   std::unique_ptr<EmbreeScene> fast, robust;
   std::vector<RaySet> sets;
@@ -74,7 +74,7 @@ void build(Prepared& p) {
   std::array<double, kBuilds> ours, rival;
   for (std::size_t i = 0; i < kBuilds; ++i) {
     const auto start = std::chrono::steady_clock::now();
-    p.tree = KdTree::build(p.scene.spans());
+    p.tree = build_accelerator("kdtree", p.scene.spans());
     ours[i] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     p.fast = std::make_unique<EmbreeScene>(p.scene, false);
     rival[i] = p.fast->build_seconds();
@@ -90,13 +90,13 @@ Prepared prepare(const std::string& name, int width) {
   p.scene = make_scene(name);
   build(p);
   p.robust = std::make_unique<EmbreeScene>(p.scene, true);
-  p.sets = make_ray_sets(p.scene, p.tree, width);
+  p.sets = make_ray_sets(p.scene, *p.tree, width);
   fmt::print(
       "{}: {}; build on {} threads {:.2f} s, Embree {:.2f} s, ratio {:.2f}; bytes per triangle "
       "{:.1f}, Embree {:.1f}\n",
       name, p.scene.description, kBuildThreads, p.build_seconds, p.embree_build_seconds,
       p.build_seconds / p.embree_build_seconds,
-      static_cast<double>(p.tree.bytes()) / static_cast<double>(p.scene.triangles.size()),
+      static_cast<double>(p.tree->bytes()) / static_cast<double>(p.scene.triangles.size()),
       static_cast<double>(p.fast->bytes()) / static_cast<double>(p.scene.triangles.size()));
   return p;
 }
@@ -104,7 +104,7 @@ Prepared prepare(const std::string& name, int width) {
 /// Traces packets [first, last) with our tree; `rays` are the active ones of the same packets.
 class Ours {
  public:
-  Ours(const KdTree& tree, const RaySet& set)
+  Ours(const Accelerator& tree, const RaySet& set)
       : tree_(tree),
         set_(set),
         hits_(set.rays.size()),
@@ -161,7 +161,7 @@ class Ours {
   }
 
  private:
-  const KdTree& tree_;
+  const Accelerator& tree_;
   const RaySet& set_;
   std::vector<Hit> hits_;
   std::vector<std::uint8_t> occluded_;
@@ -215,7 +215,7 @@ Outcome compare(Prepared& p, const RaySet& set, int passes,
                                {"robust16", "robust", 16}, {"stream", "ours", 1},
                                {"embree8", "default", 8},  {"robust8", "robust", 8},
                                {"embree1", "default", 1},  {"robust1", "robust", 1}};
-  Ours ours(p.tree, set);
+  Ours ours(*p.tree, set);
   for (int pass = 0; pass < passes; ++pass) {
     for (std::size_t first = 0; first < set.packets.size(); first += kChunk) {
       const std::size_t last = std::min(first + kChunk, set.packets.size());
@@ -250,7 +250,7 @@ Outcome compare(Prepared& p, const RaySet& set, int passes,
   constexpr std::size_t kSampled = 97;
   QueryCost cost;
   for (std::size_t i = 0; i < set.rays.size(); i += kSampled) {
-    p.tree.closest_hit_with_cost(set.rays[i], kAllBits, cost);
+    p.tree->closest_hit_with_cost(set.rays[i], kAllBits, cost);
   }
   const auto sampled = static_cast<double>((set.rays.size() + kSampled - 1) / kSampled);
   outcome.nodes = static_cast<double>(cost.nodes) / sampled;
@@ -347,7 +347,7 @@ int run(int argc, char** argv) {
                    {"embree_build_seconds", p.embree_build_seconds},
                    {"build_threads", kBuildThreads},
                    {"build_ratio", p.build_seconds / p.embree_build_seconds},
-                   {"bytes_per_triangle", static_cast<double>(p.tree.bytes()) / triangles},
+                   {"bytes_per_triangle", static_cast<double>(p.tree->bytes()) / triangles},
                    {"embree_bytes_per_triangle", static_cast<double>(p.fast->bytes()) / triangles}};
             }
             Prepared& p = *prepared[name];

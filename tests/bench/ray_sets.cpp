@@ -18,7 +18,7 @@ struct Surface {
 
 class Maker {
  public:
-  Maker(const BenchScene& scene, const KdTree& tree) : scene_(scene), tree_(tree) {}
+  Maker(const BenchScene& scene, const Accelerator& tree) : scene_(scene), tree_(tree) {}
 
   std::vector<Hit> trace(const std::vector<Ray>& rays) const {
     std::vector<Hit> hits(rays.size());
@@ -53,7 +53,7 @@ class Maker {
   const BenchScene& scene_;
 
  private:
-  const KdTree& tree_;
+  const Accelerator& tree_;
   std::mt19937 random_{7};
   std::uniform_real_distribution<float> uniform_{0.0f, 1.0f};
 };
@@ -118,7 +118,7 @@ std::vector<Ray> bounce(Maker& maker, const std::vector<Ray>& rays, const std::v
 
 }  // namespace
 
-std::vector<RaySet> make_ray_sets(const BenchScene& scene, const KdTree& tree, int width) {
+std::vector<RaySet> make_ray_sets(const BenchScene& scene, const Accelerator& tree, int width) {
   Maker maker(scene, tree);
   RaySet primary{"primary", false, true, {}, {}}, shadow{"shadow", true, true, {}, {}};
   RaySet first{"bounce", false, false, {}, {}}, second{"second_bounce", false, false, {}, {}};

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "abbe/accel/kd/tree.h"
+#include "abbe/accel/accelerator.h"
 #include "bench/bench_scenes.h"
 
 namespace abbe::bench {
@@ -20,6 +20,6 @@ struct RaySet {
 
 /// primary, shadow (from the light), bounce and second_bounce (cosine), fan (16 refracted rays of
 /// one origin, n from 1.49 to 1.54) and fan_after (the same behind their next surface).
-std::vector<RaySet> make_ray_sets(const BenchScene& scene, const KdTree& tree, int width);
+std::vector<RaySet> make_ray_sets(const BenchScene& scene, const Accelerator& tree, int width);
 
 }  // namespace abbe::bench

@@ -1,8 +1,11 @@
 /// Questions to an accelerator and their answers, one ray or sixteen at a time.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
+#include <vector>
 
 #include "abbe/accel/shapes.h"
 #include "abbe/math/ray.h"
@@ -69,6 +72,30 @@ struct alignas(64) HitPacket {
 inline Hit hit_of(const HitPacket& packet, int lane) {
   return {packet.t[lane], packet.primitive[lane], packet.u[lane], packet.v[lane]};
 }
+
+/// Lists of hits, one for each ray of a query, behind each other in one array: what is used again
+/// and again allocates only while it grows.
+class HitLists {
+ public:
+  void clear() {
+    hits_.clear();
+    ends_.clear();
+  }
+  /// Adds to the list that end_list() ends; the next one begins behind it.
+  void add(const Hit& hit) { hits_.push_back(hit); }
+  void end_list() { ends_.push_back(hits_.size()); }
+
+  std::size_t size() const { return ends_.size(); }
+  /// The list of a ray, counted from 0.
+  std::span<const Hit> operator[](std::size_t ray) const {
+    const std::size_t first = ray == 0 ? 0 : ends_[ray - 1];
+    return {hits_.data() + first, ends_[ray] - first};
+  }
+
+ private:
+  std::vector<Hit> hits_;
+  std::vector<std::size_t> ends_;
+};
 
 /// Work done by queries, for heat maps and tuning.
 struct QueryCost {

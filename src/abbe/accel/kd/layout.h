@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "abbe/accel/query.h"
-#include "abbe/accel/shapes.h"
+#include "abbe/accel/leaf/block.h"
+#include "abbe/accel/leaf/solids.h"
 #include "abbe/base/flat_array.h"
 
 namespace abbe {
@@ -28,48 +28,15 @@ struct alignas(64) WideNode {
 };
 static_assert(sizeof(WideNode) == 64);
 
-inline constexpr int kBlockTriangles = 16;
-/// Vertices of a block whose triangles share them, and of one whose triangles do not.
-inline constexpr int kSharedVertices = 16;
-inline constexpr int kLooseVertices = 3 * kBlockTriangles;
-
-/// What the array of blocks is made of.
-struct alignas(64) BlockLine {
-  std::uint8_t bytes[64];
-};
-
-/// Up to sixteen triangles in SIMD layout: this, and behind it the rows of x, y and z of their
-/// vertices. Triangles that share sixteen vertices take half the memory of separate corners, and a
-/// ray moves and shears each vertex once for all its triangles. Others have a loose block: three
-/// vertices each, those of the first corners first. Unused triangles have three times the same
-/// corner, which no ray meets.
-struct alignas(64) TriangleBlock {
-  std::uint8_t corners[3][kBlockTriangles];  ///< Numbers of the vertices of each triangle.
-  std::uint8_t triangle_count;
-  std::uint8_t is_loose;    ///< 1 or 0.
-  std::uint8_t next_lines;  ///< To the leaf's next block, in lines; 0 if there is none.
-  alignas(64) std::uint32_t id[kBlockTriangles];
-
-  int vertices_per_row() const { return is_loose != 0 ? kLooseVertices : kSharedVertices; }
-  const float* rows() const { return reinterpret_cast<const float*>(this + 1); }
-  /// The coordinates of all vertices along an axis.
-  const float* row(int axis) const { return rows() + axis * vertices_per_row(); }
-};
-static_assert(sizeof(TriangleBlock) == 2 * sizeof(BlockLine));
-
 /// The rest of a leaf behind its first block, kEmptyChild if there is none.
 inline KdChild next_block(const TriangleBlock& first, KdChild leaf) {
   return first.next_lines != 0 ? leaf + first.next_lines : kEmptyChild;
 }
 
-/// Lines of a block with its vertices.
-inline constexpr std::uint32_t kSharedBlockLines = 2 + 3 * kSharedVertices * sizeof(float) / 64;
-inline constexpr std::uint32_t kLooseBlockLines = 2 + 3 * kLooseVertices * sizeof(float) / 64;
-
 /// A leaf that holds solids, and perhaps triangles too.
 struct MixedLeaf {
   KdChild triangles;                       ///< A leaf of triangles only, or kEmptyChild.
-  std::uint32_t first_solid, solid_count;  ///< In KdView::solids.
+  std::uint32_t first_solid, solid_count;  ///< In KdView::leaf_solids.
 };
 
 /// The deepest stack of a query: each wide level takes one entry away and adds up to eight.
@@ -83,26 +50,13 @@ struct KdView {
   const BlockLine* blocks = nullptr;
   std::uint32_t lines_ahead = 0;  ///< Lines of a leaf to fetch before it is read.
   const MixedLeaf* mixed_leaves = nullptr;
-  const std::uint32_t* solids = nullptr;  ///< Primitive numbers of ellipsoids and polyhedra.
-  const Ellipsoid* ellipsoids = nullptr;
-  const ConvexPolyhedron* polyhedra = nullptr;
-  const Plane* planes = nullptr;
+  const std::uint32_t* leaf_solids = nullptr;  ///< Numbers of the solids in mixed leaves.
+  SolidView solids;
   const VisibilityMask* masks = nullptr;  ///< Null where a query sees all primitives.
-  VisibilityMask any_mask = 0;            ///< Bits that at least one primitive has.
-  const std::uint8_t* isolated_solids =
-      nullptr;  ///< Per solid, 1 where nothing else reaches into it.
-  std::uint32_t triangle_count = 0;
-  std::uint32_t ellipsoid_count = 0;
   Box3f bounds;
 
   /// The first block of a leaf of triangles only.
-  const TriangleBlock& block(KdChild leaf) const {
-    return *reinterpret_cast<const TriangleBlock*>(blocks + (leaf & kIndexMask));
-  }
-  bool is_isolated_solid(std::uint32_t primitive) const {
-    return primitive != kNoPrimitive && primitive >= triangle_count &&
-           isolated_solids[primitive - triangle_count] != 0;
-  }
+  const TriangleBlock& block(KdChild leaf) const { return block_at(blocks + (leaf & kIndexMask)); }
   bool is_visible(std::uint32_t primitive, VisibilityMask mask) const {
     return masks == nullptr || (masks[primitive] & mask) != 0;
   }

@@ -6,8 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "abbe/accel/query.h"
-#include "abbe/accel/shapes.h"
+#include "abbe/accel/accelerator.h"
 
 namespace abbe {
 
@@ -32,39 +31,34 @@ struct KdTreeConfig {
 };
 
 /// A tree over a copy of the shapes' data; it does not refer to the spans after build().
-class KdTree {
+class KdTree final : public Accelerator {
  public:
   /// Builds in time O(n log n), linear in degenerate input, in parallel.
-  /// Domain: every position finite, every triangle of non-zero area (drop others before), fewer
-  ///         than 2^31 primitives; any of the spans may be empty.
+  /// Domain: as build_accelerator() has it.
   static KdTree build(const ShapeSpans& shapes, const KdTreeConfig& config = {});
 
-  KdTree();
+  KdTree();  ///< Of an empty world.
   KdTree(KdTree&&) noexcept;
   KdTree& operator=(KdTree&&) noexcept;
-  ~KdTree();
+  ~KdTree() override;
 
-  /// The nearest hit of each ray among primitives that share a bit with `mask`.
-  /// Shape:  rays.size() == hits.size().
-  /// Domain: finite origins, finite non-zero directions; components may be zero or denormal.
-  void closest_hits(std::span<const Ray> rays, VisibilityMask mask, std::span<Hit> hits) const;
-  void closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
-                    std::span<HitPacket> hits) const;
-
-  /// Whether each ray meets anything that shares a bit with `mask`: 1 or 0 per ray, one bit per
-  /// lane of a packet.
+  void closest_hits(std::span<const Ray> rays, VisibilityMask mask,
+                    std::span<Hit> hits) const override;
   void any_hits(std::span<const Ray> rays, VisibilityMask mask,
-                std::span<std::uint8_t> occluded) const;
+                std::span<std::uint8_t> occluded) const override;
+  void all_hits(std::span<const Ray> rays, VisibilityMask mask, VisibilityMask stops,
+                HitLists& hits) const override;
+  void closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+                    std::span<HitPacket> hits) const override;
   void any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
-                std::span<std::uint32_t> occluded) const;
-
-  /// Closest hit of one ray that also counts the work done.
-  Hit closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const;
-  /// Whether one ray meets anything, likewise.
-  bool any_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const;
-
-  Box3f bounds() const;
-  std::size_t bytes() const;  ///< Memory held by the tree, its leaves and its shapes.
+                std::span<std::uint32_t> occluded) const override;
+  using Accelerator::all_hits;
+  Hit closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const override;
+  bool any_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const override;
+  std::string_view name() const override { return "kdtree"; }
+  std::size_t rays_worth_a_call() const override;
+  Box3f bounds() const override;
+  std::size_t bytes() const override;
 
  private:
   struct Data;

@@ -10,9 +10,9 @@
 
 #include <hwy/highway.h>
 
-#include "abbe/accel/kd/layout.h"
-#include "abbe/accel/kd/trace/lanes-inl.h"
-#include "abbe/accel/kd/trace/state.h"
+#include "abbe/accel/leaf/block.h"
+#include "abbe/accel/leaf/lanes-inl.h"
+#include "abbe/accel/leaf/shear.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {

@@ -11,42 +11,17 @@
 
 #include <hwy/highway.h>
 
-#include <algorithm>
 #include <limits>
+#include <span>
 
-#include "abbe/accel/kd/trace/lanes-inl.h"
-#include "abbe/accel/kd/trace/state.h"
+#include "abbe/accel/leaf/lanes-inl.h"
+#include "abbe/accel/leaf/packet.h"
+#include "abbe/accel/leaf/solids.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-// Whether a ray or packet may meet anything in a box up to a distance.
-HWY_INLINE bool MeetsBox(const Beam& beam, const Box3f& box, float t_far) {
-  const hn::FixedTag<float, 4> d;
-  const auto low = hn::LoadU(d, &box.low.x);                        // And high.x.
-  const auto high = hn::Shuffle0321(hn::LoadU(d, &box.low.x + 2));  // And low.z.
-  const auto below = hn::Load(d, beam.reciprocal), above = hn::Load(d, beam.reciprocal + 4);
-  const auto t_below = hn::Mul(hn::Sub(high, hn::Load(d, beam.origin)), below);
-  const auto t_above = hn::Mul(hn::Sub(low, hn::Load(d, beam.origin + 4)), above);
-  const auto is_axis = hn::FirstN(d, 3);
-  const auto least = hn::Set(d, -kInfinity), most = hn::Set(d, kInfinity);
-  const auto enter = hn::Max(hn::IfNegativeThenElse(below, t_below, least),
-                             hn::IfNegativeThenElse(above, least, t_above));
-  const auto leave = hn::Min(hn::IfNegativeThenElse(below, most, t_below),
-                             hn::IfNegativeThenElse(above, t_above, most));
-  const float t_near =
-      std::max(hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElse(is_axis, enter, least))), 0.0f);
-  return t_near <=
-         std::min(hn::GetLane(hn::MinOfLanes(d, hn::IfThenElse(is_axis, leave, most))), t_far);
-}
-
-HWY_INLINE const Box3f& BoundsOfSolid(const KdView& view, std::uint32_t primitive) {
-  const std::uint32_t ellipsoid = primitive - view.triangle_count;
-  return ellipsoid < view.ellipsoid_count ? view.ellipsoids[ellipsoid].bounds
-                                          : view.polyhedra[ellipsoid - view.ellipsoid_count].bounds;
-}
 
 using WideD = hn::CappedTag<double, 8>;
 using WideV = hn::Vec<WideD>;
@@ -134,8 +109,8 @@ HWY_INLINE void EllipsoidLanes(const Ellipsoid& ellipsoid, const LaneRays<kLanes
 
 // The same for a polyhedron, with the face that was met.
 template <int kLanes>
-HWY_INLINE void PolyhedronLanes(const Plane* planes, std::uint32_t count, const LaneRays<kLanes>& p,
-                                float* t, float* face) {
+HWY_INLINE void PolyhedronLanes(std::span<const Plane> planes, const LaneRays<kLanes>& p, float* t,
+                                float* face) {
   const WideD d;
   const HalfF f;
   const WideV zero = hn::Zero(d);
@@ -149,10 +124,11 @@ HWY_INLINE void PolyhedronLanes(const Plane* planes, std::uint32_t count, const 
     WideV leave_distance = one, leave_slope = zero;
     WideV enter_face = zero, leave_face = zero;
     auto is_outside = hn::Lt(zero, zero);
-    for (std::uint32_t k = 0; k < count; ++k) {
-      const WideV index = hn::Set(d, static_cast<double>(k));
-      const WideV towards = DotWith(planes[k].normal, v);
-      const WideV distance = hn::Sub(hn::Set(d, planes[k].distance), DotWith(planes[k].normal, o));
+    double number = 0.0;
+    for (const Plane& plane : planes) {
+      const WideV index = hn::Set(d, number++);
+      const WideV towards = DotWith(plane.normal, v);
+      const WideV distance = hn::Sub(hn::Set(d, plane.distance), DotWith(plane.normal, o));
       const WideV behind = hn::Neg(distance), away = hn::Neg(towards);
       is_outside = hn::Or(is_outside, hn::And(hn::Lt(distance, zero), hn::Ge(towards, zero)));
       const auto enters = hn::And(hn::Lt(towards, zero), hn::Gt(hn::Mul(behind, enter_slope),
@@ -181,17 +157,17 @@ HWY_INLINE void PolyhedronLanes(const Plane* planes, std::uint32_t count, const 
 // Whether every lane starts beyond a plane of the polyhedron and goes further away from it, as rays
 // do that have just left it: not one is a hit, and no distance has to be found.
 template <int kLanes>
-HWY_INLINE bool LeavePolyhedron(const Plane* planes, std::uint32_t count,
-                                const LaneRays<kLanes>& p) {
+HWY_INLINE bool LeavePolyhedron(std::span<const Plane> planes, const LaneRays<kLanes>& p) {
   const WideD d;
   const WideV zero = hn::Zero(d);
   for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
     const WideVec3 o = LoadVec3(p.origin, i);
     const WideVec3 v = LoadVec3(p.direction, i);
     auto leaves = hn::Lt(zero, zero);
-    for (std::uint32_t k = 0; k < count && !hn::AllTrue(d, leaves); ++k) {
-      const WideV towards = DotWith(planes[k].normal, v);
-      const WideV distance = hn::Sub(hn::Set(d, planes[k].distance), DotWith(planes[k].normal, o));
+    for (const Plane& plane : planes) {
+      if (hn::AllTrue(d, leaves)) break;
+      const WideV towards = DotWith(plane.normal, v);
+      const WideV distance = hn::Sub(hn::Set(d, plane.distance), DotWith(plane.normal, o));
       leaves = hn::Or(leaves, hn::And(hn::Lt(distance, zero), hn::Ge(towards, zero)));
     }
     if (!hn::AllTrue(d, leaves)) return false;
@@ -201,25 +177,24 @@ HWY_INLINE bool LeavePolyhedron(const Plane* planes, std::uint32_t count,
 
 // Distances to a solid for all lanes, and the faces of a polyhedron.
 template <int kLanes>
-HWY_INLINE void SolidLanes(const KdView& view, std::uint32_t primitive,
+HWY_INLINE void SolidLanes(const SolidView& solids, std::uint32_t primitive,
                            const LaneRays<kLanes>& rays, float* t, float* face) {
-  const std::uint32_t ellipsoid = primitive - view.triangle_count;
-  if (ellipsoid < view.ellipsoid_count) {
-    EllipsoidLanes(view.ellipsoids[ellipsoid], rays, t);
+  if (solids.is_ellipsoid(primitive)) {
+    EllipsoidLanes(solids.ellipsoid(primitive), rays, t);
   } else {
-    const ConvexPolyhedron& solid = view.polyhedra[ellipsoid - view.ellipsoid_count];
-    PolyhedronLanes(view.planes + solid.first_plane, solid.plane_count, rays, t, face);
+    PolyhedronLanes(solids.planes_of(primitive), rays, t, face);
   }
 }
 
 // What rays inside a solid meet that nothing else reaches into: the solid. Returns false, with
 // nothing written, when a lane does not meet it: its start was not inside after all.
-HWY_INLINE bool LeaveIsolatedSolid(const KdView& view, const RayPacket& packet, HitPacket& hits) {
+HWY_INLINE bool LeaveIsolatedSolid(const SolidView& solids, const RayPacket& packet,
+                                   HitPacket& hits) {
   alignas(64) float ts[kPacketLanes];
   alignas(64) float faces[kPacketLanes] = {};
   const LaneRays<kPacketLanes> rays{{packet.origin_x, packet.origin_y, packet.origin_z},
                                     {packet.direction_x, packet.direction_y, packet.direction_z}};
-  SolidLanes(view, packet.inside, rays, ts, faces);
+  SolidLanes(solids, packet.inside, rays, ts, faces);
   const LaneF d;
   const LaneU du;
   std::uint32_t met = 0;
@@ -239,32 +214,27 @@ HWY_INLINE bool LeaveIsolatedSolid(const KdView& view, const RayPacket& packet, 
   return true;
 }
 
-// Tests a solid against the active lanes; returns those that it is the nearest hit of.
+// Tests a solid against all lanes; returns those that it is the nearest hit of.
 template <int kLanes>
-HWY_INLINE std::uint32_t TestSolidLanes(const KdView& view, std::uint32_t primitive,
-                                        PacketState<kLanes>& p) {
-  if (!MeetsBox(p.beam, BoundsOfSolid(view, primitive), p.farthest)) return 0;
+HWY_INLINE std::uint32_t TestSolidLanes(const SolidView& solids, std::uint32_t primitive,
+                                        PacketRays<kLanes>& p) {
   const LaneRays<kLanes> rays{{p.origin[0], p.origin[1], p.origin[2]},
                               {p.direction[0], p.direction[1], p.direction[2]}};
-  const std::uint32_t ellipsoids_end = view.triangle_count + view.ellipsoid_count;
-  if (primitive >= ellipsoids_end) {
-    const ConvexPolyhedron& solid = view.polyhedra[primitive - ellipsoids_end];
-    if (LeavePolyhedron(view.planes + solid.first_plane, solid.plane_count, rays)) return 0;
+  if (!solids.is_ellipsoid(primitive) && LeavePolyhedron(solids.planes_of(primitive), rays)) {
+    return 0;
   }
   alignas(64) float ts[kLanes];
   alignas(64) float faces[kLanes] = {};
-  SolidLanes(view, primitive, rays, ts, faces);
+  SolidLanes(solids, primitive, rays, ts, faces);
   const LaneF d;
   const LaneU du;
+  const auto ids = hn::Set(du, primitive);
   std::uint32_t found = 0;
   for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
     const auto t = hn::Load(d, ts + i);
     const auto best = hn::Load(d, p.hits.t + i);
     const auto held = hn::Load(du, p.hits.primitive + i);
-    const auto ids = hn::Set(du, primitive);
-    const auto is_lower =
-        hn::RebindMask(d, hn::And(hn::Lt(ids, held), hn::Ne(held, hn::Set(du, kNoPrimitive))));
-    const auto is_hit = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), is_lower));
+    const auto is_hit = IsNearer(t, ids, best, held);
     found |= BitsOf(d, is_hit, i);
     hn::Store(hn::IfThenElse(is_hit, t, best), d, p.hits.t + i);
     hn::Store(hn::IfThenElse(is_hit, hn::Load(d, faces + i), hn::Load(d, p.hits.u + i)), d,

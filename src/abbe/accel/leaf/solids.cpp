@@ -2,18 +2,28 @@
 
 #include <cmath>
 
-namespace abbe {
-namespace {
+#include "abbe/accel/leaf/isolated_solids.h"
 
-// The answer is a float: what rounds to 0 or to t_max is outside the open segment.
-bool is_inside(double t, float t_max) {
-  const auto rounded = static_cast<float>(t);
-  return rounded > 0.0f && rounded < t_max;
+namespace abbe {
+SolidStore::SolidStore(const ShapeSpans& shapes)
+    : ellipsoids_(shapes.ellipsoids.begin(), shapes.ellipsoids.end()),
+      polyhedra_(shapes.polyhedra.begin(), shapes.polyhedra.end()),
+      planes_(shapes.planes.begin(), shapes.planes.end()),
+      isolated_(find_isolated_solids(shapes)),
+      triangle_count_(static_cast<std::uint32_t>(shapes.triangles.size())) {}
+
+SolidView SolidStore::view() const {
+  return {ellipsoids_.data(), polyhedra_.data(),
+          planes_.data(),     isolated_.data(),
+          triangle_count_,    triangle_count_ + static_cast<std::uint32_t>(ellipsoids_.size())};
 }
 
-}  // namespace
+std::size_t SolidStore::bytes() const {
+  return ellipsoids_.size() * sizeof(Ellipsoid) + polyhedra_.size() * sizeof(ConvexPolyhedron) +
+         planes_.size() * sizeof(Plane);
+}
 
-std::optional<SolidHit> intersect_ellipsoid(const Ray& ray, const Ellipsoid& ellipsoid) {
+std::optional<SolidCrossings> intersect_ellipsoid(const Ray& ray, const Ellipsoid& ellipsoid) {
   const Vec3d o =
       ellipsoid.world_to_unit_linear * Vec3d(ray.origin) + ellipsoid.world_to_unit_offset;
   const Vec3d d = ellipsoid.world_to_unit_linear * Vec3d(ray.direction);
@@ -28,14 +38,10 @@ std::optional<SolidHit> intersect_ellipsoid(const Ray& ray, const Ellipsoid& ell
   // The root nearer to the origin by Vieta: both terms of the farther one have the same sign.
   const double far = closest >= 0.0 ? closest + half_chord : closest - half_chord;
   const double near = far != 0.0 ? c / (dd * far) : 0.0;
-  const double first = std::fmin(near, far);
-  const double second = std::fmax(near, far);
-  if (is_inside(first, ray.t_max)) return SolidHit{first, 0};
-  if (is_inside(second, ray.t_max)) return SolidHit{second, 0};
-  return std::nullopt;
+  return SolidCrossings{std::fmin(near, far), std::fmax(near, far)};
 }
 
-std::optional<SolidHit> intersect_polyhedron(const Ray& ray, std::span<const Plane> planes) {
+std::optional<SolidCrossings> intersect_polyhedron(const Ray& ray, std::span<const Plane> planes) {
   const Vec3d o(ray.origin);
   const Vec3d d(ray.direction);
   // Distances are compared as fractions, so that only two are divided.
@@ -63,9 +69,7 @@ std::optional<SolidHit> intersect_polyhedron(const Ray& ray, std::span<const Pla
   const double enter = enter_distance / enter_slope;
   const double leave = leave_distance / leave_slope;
   if (!(enter <= leave)) return std::nullopt;
-  if (is_inside(enter, ray.t_max)) return SolidHit{enter, enter_face};
-  if (is_inside(leave, ray.t_max)) return SolidHit{leave, leave_face};
-  return std::nullopt;
+  return SolidCrossings{enter, leave, enter_face, leave_face};
 }
 
 }  // namespace abbe

@@ -126,7 +126,8 @@ struct ClosestSink {
   }
   // Whether the answers are known without a search.
   HWY_INLINE bool answer_inside(const RayPacket& packet, std::size_t index) {
-    return view.is_visible(packet.inside, mask) && LeaveIsolatedSolid(view, packet, hits[index]);
+    return view.is_visible(packet.inside, mask) &&
+           LeaveIsolatedSolid(view.solids, packet, hits[index]);
   }
   // What the lanes of a packet met before, if it is a part of one.
   HWY_INLINE const HitPacket* found(std::size_t index) const { return hits + index; }

@@ -1,5 +1,5 @@
-/// The lanes of a packet or of two in as many vectors as the level needs, and their bit masks.
-/// Compiled once for each instruction set level.
+/// Rows of a packet's values in registers, and their bounds. Compiled once for each instruction set
+/// level.
 
 #if defined(ABBE_ACCEL_KD_TRACE_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ABBE_ACCEL_KD_TRACE_LANES_INL_H_
@@ -10,31 +10,12 @@
 
 #include <hwy/highway.h>
 
-#include "abbe/accel/query.h"
+#include "abbe/accel/leaf/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-using LaneF = hn::CappedTag<float, kPacketLanes>;
-using LaneU = hn::CappedTag<std::uint32_t, kPacketLanes>;
-
-// Lanes [first, first + Lanes) of a bit mask.
-template <class D>
-HWY_INLINE hn::Mask<D> MaskOf(D d, std::uint32_t bits, std::size_t first) {
-  const std::uint32_t part = bits >> first;
-  const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(part),
-                                 static_cast<std::uint8_t>(part >> 8)};
-  return hn::LoadMaskBits(d, bytes);
-}
-
-template <class D, class M>
-HWY_INLINE std::uint32_t BitsOf(D d, M mask, std::size_t first) {
-  std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(d, mask, bytes);
-  return (bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8) << first;
-}
 
 template <int kLanes>
 HWY_INLINE float LargestLane(const float (&values)[kLanes]) {

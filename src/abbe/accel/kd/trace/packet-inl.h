@@ -210,7 +210,7 @@ class PairTracer {
     }
     const RayPacket* const pair = packets_ + index;
     const std::uint32_t lower = pair[0].active & kAllLanes, upper = pair[1].active & kAllLanes;
-    if (lower != 0 && upper != 0 && !view.is_isolated_solid(pair[0].inside) &&
+    if (lower != 0 && upper != 0 && !view.solids.is_isolated(pair[0].inside) &&
         StartPacket<kPairLanes>(scene, pair, lower | upper << kPacketLanes, nullptr, p)) {
       p.index = index;
       p.budget = kLaneBudget * static_cast<int>(hwy::PopCount(p.active));
@@ -264,7 +264,7 @@ class QueueTracer {
     while ((part = queue.take(packets_, sink)).lanes != 0) {
       const RayPacket& packet = packets_[part.index];
       const bool is_whole = part.lanes == (packet.active & kAllLanes);
-      if (is_whole && view.is_isolated_solid(packet.inside) &&
+      if (is_whole && view.solids.is_isolated(packet.inside) &&
           sink.answer_inside(packet, part.index)) {
         continue;
       }

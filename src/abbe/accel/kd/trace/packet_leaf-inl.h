@@ -11,22 +11,18 @@
 
 #include <hwy/highway.h>
 
+#include "abbe/accel/kd/trace/beam-inl.h"
 #include "abbe/accel/kd/trace/lanes-inl.h"
 #include "abbe/accel/kd/trace/state.h"
-#include "abbe/accel/leaf/corners-inl.h"
 #include "abbe/accel/leaf/solids-inl.h"
+#include "abbe/accel/leaf/triangles-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// What a packet may meet of a block.
-struct alignas(64) CulledBlock {
-  float vertices[3][kLooseVertices];  ///< Relative to where the line or all rays begin, if they do.
-  std::uint32_t near;                 ///< The triangles that the packet's rays may meet.
-};
-
+// The triangles near to the line of a packet.
 template <bool kLoose, int kLanes>
 HWY_INLINE void CullByLine(const TriangleBlock& block, const PacketState<kLanes>& p,
                            CulledBlock& culled) {
@@ -135,125 +131,6 @@ HWY_INLINE void CullBlock(const TriangleBlock& block, const PacketState<kLanes>&
   }
 }
 
-// Triangles that some lane may have hit: what the test came to, the division still to be done. The
-// determinant of a lane that is beside the triangle is zero.
-template <int kLanes>
-struct alignas(64) Candidates {
-  float scaled_t[kBlockTriangles][kLanes];
-  float determinant[kBlockTriangles][kLanes];
-  float v[kBlockTriangles][kLanes], w[kBlockTriangles][kLanes];
-  std::uint32_t id[kBlockTriangles];
-};
-
-// The triangles near the packet against the lanes of a group, with the same operations as for a
-// single ray. First all tests, without a branch on their outcome; then what they found, sorted by
-// distance in registers.
-template <bool kAny, bool kCommonOrigin, int kLanes>
-HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const CulledBlock& culled,
-                                       const ShearGroup& group, PacketState<kLanes>& p,
-                                       Candidates<kLanes>& found) {
-  const LaneF d;
-  const LaneU du;
-  using V = hn::Vec<LaneF>;
-  const int x = group.axes.x, y = group.axes.y, z = group.axes.z;
-  const float* const row_x = kCommonOrigin ? culled.vertices[x] : block.row(x);
-  const float* const row_y = kCommonOrigin ? culled.vertices[y] : block.row(y);
-  const float* const row_z = kCommonOrigin ? culled.vertices[z] : block.row(z);
-  const V zero = hn::Zero(d);
-  std::uint32_t hit_lanes = 0;
-  for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
-    const V sx = hn::Load(d, p.shear_x + i);
-    const V sy = hn::Load(d, p.shear_y + i);
-    const V sz = hn::Load(d, p.shear_z + i);
-    V best = hn::Load(d, p.hits.t + i);
-    const V last_t = hn::Mul(best, hn::Set(d, 1.00001f));
-    const V ox = hn::Load(d, p.origin[x] + i);
-    const V oy = hn::Load(d, p.origin[y] + i);
-    const V oz = hn::Load(d, p.origin[z] + i);
-    const auto relative = [&](const float* row, std::size_t vertex, V origin) HWY_ATTR {
-      const V position = hn::Set(d, row[vertex]);
-      return kCommonOrigin ? position : hn::Sub(position, origin);
-    };
-    std::size_t count = 0;
-    for (std::uint32_t near = culled.near; near != 0; near &= near - 1) {
-      const auto k = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(near));
-      const std::size_t a = block.corners[0][k], b = block.corners[1][k], c = block.corners[2][k];
-      const V az = relative(row_z, a, oz);
-      const V bz = relative(row_z, b, oz);
-      const V cz = relative(row_z, c, oz);
-      const V ax = hn::Sub(relative(row_x, a, ox), hn::Mul(sx, az));
-      const V ay = hn::Sub(relative(row_y, a, oy), hn::Mul(sy, az));
-      const V bx = hn::Sub(relative(row_x, b, ox), hn::Mul(sx, bz));
-      const V by = hn::Sub(relative(row_y, b, oy), hn::Mul(sy, bz));
-      const V cx = hn::Sub(relative(row_x, c, ox), hn::Mul(sx, cz));
-      const V cy = hn::Sub(relative(row_y, c, oy), hn::Mul(sy, cz));
-      const V u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
-      const V v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
-      const V w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
-      const V determinant = hn::Add(hn::Add(u, v), w);
-      const V weighted_z = hn::Add(hn::Add(hn::Mul(u, az), hn::Mul(v, bz)), hn::Mul(w, cz));
-      const V scaled_t = hn::Mul(weighted_z, sz);
-      auto is_candidate =
-          hn::Or(hn::Ge(hn::Min(hn::Min(u, v), w), zero), hn::Le(hn::Max(hn::Max(u, v), w), zero));
-      if (kAny) {
-        // Most triangles near a shadow ray are the one it ends at: a first look without the
-        // division, a little too generous, saves them. In the search for the closest they are
-        // mostly hits.
-        const V forward = hn::CopySign(hn::Abs(scaled_t), hn::Xor(scaled_t, determinant));
-        const V last = hn::Mul(hn::Abs(determinant), last_t);
-        is_candidate = hn::And(is_candidate, hn::And(hn::Ge(forward, zero), hn::Le(forward, last)));
-      }
-      const V kept = hn::IfThenElseZero(is_candidate, determinant);
-      hn::Store(scaled_t, d, found.scaled_t[count]);
-      hn::Store(kept, d, found.determinant[count]);
-      if (!kAny) {
-        hn::Store(v, d, found.v[count]);
-        hn::Store(w, d, found.w[count]);
-        found.id[count] = block.id[k];
-      }
-      count += hn::AllFalse(d, is_candidate) ? 0u : 1u;
-    }
-    if (count == 0) continue;
-    if (kAny) {
-      // Which of them it is does not matter: the lanes are retired.
-      auto is_hit = hn::Lt(best, best);
-      for (std::size_t c = 0; c < count; ++c) {
-        const V inverse = hn::Div(hn::Set(d, 1.0f), hn::Load(d, found.determinant[c]));
-        const V t = hn::Mul(hn::Load(d, found.scaled_t[c]), inverse);
-        is_hit = hn::Or(is_hit, hn::And(hn::Gt(t, zero), hn::Lt(t, best)));
-      }
-      hit_lanes |= BitsOf(d, is_hit, i) & group.lanes;
-      continue;
-    }
-    V best_u = hn::Load(d, p.hits.u + i);
-    V best_v = hn::Load(d, p.hits.v + i);
-    auto primitive = hn::Load(du, p.hits.primitive + i);
-    const auto in_group = MaskOf(d, group.lanes, i);
-    std::uint32_t lanes = 0;
-    for (std::size_t c = 0; c < count; ++c) {
-      const V inverse = hn::Div(hn::Set(d, 1.0f), hn::Load(d, found.determinant[c]));
-      const V t = hn::Mul(hn::Load(d, found.scaled_t[c]), inverse);
-      const auto ids = hn::Set(du, found.id[c]);
-      // Of two primitives at the same distance the lower number wins; no primitive is the highest.
-      const auto is_lower = hn::RebindMask(
-          d, hn::And(hn::Lt(ids, primitive), hn::Ne(primitive, hn::Set(du, kNoPrimitive))));
-      const auto is_nearer = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), is_lower));
-      const auto is_hit = hn::And(hn::And(in_group, hn::Gt(t, zero)), is_nearer);
-      lanes |= BitsOf(d, is_hit, i);
-      best = hn::IfThenElse(is_hit, t, best);
-      best_u = hn::IfThenElse(is_hit, hn::Mul(hn::Load(d, found.v[c]), inverse), best_u);
-      best_v = hn::IfThenElse(is_hit, hn::Mul(hn::Load(d, found.w[c]), inverse), best_v);
-      primitive = hn::IfThenElse(hn::RebindMask(du, is_hit), ids, primitive);
-    }
-    hit_lanes |= lanes;
-    hn::Store(best, d, p.hits.t + i);
-    hn::Store(best_u, d, p.hits.u + i);
-    hn::Store(best_v, d, p.hits.v + i);
-    hn::Store(primitive, du, p.hits.primitive + i);
-  }
-  return hit_lanes;
-}
-
 // Lanes that need no further answer.
 template <int kLanes>
 HWY_INLINE void Retire(PacketState<kLanes>& p, std::uint32_t lanes) {
@@ -292,10 +169,11 @@ HWY_INLINE void TestPacketBlock(const KdView& view, const TriangleBlock& block, 
   p.budget -= kBlockCost + p.group_count * static_cast<int>(hwy::PopCount(culled.near));
   if (culled.near == 0) return;
   std::uint32_t found = 0;
+  PacketRays<kLanes>& rays = p;
   for (int g = 0; g < p.group_count; ++g) {
     found |= p.common_origin
-                 ? TestTriangles<kAny, true>(block, culled, p.groups[g], p, candidates)
-                 : TestTriangles<kAny, false>(block, culled, p.groups[g], p, candidates);
+                 ? TestTriangles<kAny, true>(block, culled, p.groups[g], rays, candidates)
+                 : TestTriangles<kAny, false>(block, culled, p.groups[g], rays, candidates);
   }
   if (found != 0) Shorten<kAny>(p, found);
 }
@@ -304,7 +182,9 @@ template <bool kAny, int kLanes>
 HWY_INLINE void TestPacketSolid(const KdView& view, std::uint32_t primitive, VisibilityMask mask,
                                 PacketState<kLanes>& p) {
   if (!view.is_visible(primitive, mask)) return;
-  const std::uint32_t found = TestSolidLanes(view, primitive, p);
+  if (!MeetsBox(p.beam, view.solids.bounds_of(primitive), p.farthest)) return;
+  PacketRays<kLanes>& rays = p;
+  const std::uint32_t found = TestSolidLanes(view.solids, primitive, rays);
   if (found != 0) Shorten<kAny>(p, found);
 }
 
@@ -319,7 +199,7 @@ HWY_INLINE void TestMixedPacketLeaf(const KdView& view, VisibilityMask mask, Cul
     leaf = next_block(block, leaf);
   }
   for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
-    TestPacketSolid<kAny>(view, view.solids[mixed.first_solid + s], mask, p);
+    TestPacketSolid<kAny>(view, view.leaf_solids[mixed.first_solid + s], mask, p);
   }
 }
 

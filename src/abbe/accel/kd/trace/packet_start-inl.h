@@ -13,9 +13,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "abbe/accel/kd/trace/beam-inl.h"
 #include "abbe/accel/kd/trace/lanes-inl.h"
 #include "abbe/accel/kd/trace/state.h"
-#include "abbe/accel/kd/trace/step-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
@@ -128,10 +128,10 @@ struct StartScene {
   float widest_pair = kWidestSpreadOfFew;
 
   explicit StartScene(const KdView& view)
-      : beams(view.bounds), has_few_triangles(view.triangle_count <= kFewTriangles) {
+      : beams(view.bounds), has_few_triangles(view.solids.triangle_count <= kFewTriangles) {
     if (has_few_triangles) return;
     widest_spread = kWidestSpread;
-    const float triangle = 1.0f / std::sqrt(static_cast<float>(view.triangle_count));
+    const float triangle = 1.0f / std::sqrt(static_cast<float>(view.solids.triangle_count));
     least_spread = kLeastWidth * triangle;
     widest_pair = std::min(kWidestPair * triangle, kWidestSpread);
   }
@@ -209,15 +209,87 @@ HWY_INLINE bool IsSameOrigin(const RayPacket& second, const RowBounds& origins) 
          origins.low[1] == origins.high[1] && origins.low[2] == origins.high[2];
 }
 
+// The directions of all lanes in parts of their z, where lanes are sheared along different axes.
+template <int kLanes>
+HWY_INLINE void FindSlopes(const PacketState<kLanes>& p, Row<kLanes> (&slope)[2]) {
+  const LaneF d;
+  for (std::size_t i = 0; i < Row<kLanes>::kVectors; ++i) {
+    const std::size_t lane = i * hn::Lanes(d);
+    const auto z = hn::Load(d, p.direction[p.axes.z] + lane);
+    slope[0].part[i] = hn::Div(hn::Load(d, p.direction[p.axes.x] + lane), z);
+    slope[1].part[i] = hn::Div(hn::Load(d, p.direction[p.axes.y] + lane), z);
+  }
+}
+
+// Sets what the lanes have met before, if that is given; returns where each ends.
+template <int kLanes>
+HWY_INLINE Row<kLanes> StartHits(const RayPacket* packet, std::uint32_t lanes,
+                                 const HitPacket* found, PacketState<kLanes>& p) {
+  const LaneF d;
+  const LaneU du;
+  const auto none = hn::Set(du, kNoPrimitive);
+  Row<kLanes> ends;
+  for (std::size_t i = 0; i < Row<kLanes>::kVectors; ++i) {
+    const std::size_t lane = i * hn::Lanes(d);
+    auto t = hn::Load(d, LaneOf(packet, &RayPacket::t_max, lane));
+    auto u = hn::Zero(d), v = hn::Zero(d);
+    auto primitive = none;
+    if (found != nullptr) {
+      primitive = hn::Load(du, found->primitive + lane);
+      const auto is_met = hn::RebindMask(d, hn::Ne(primitive, none));
+      t = hn::IfThenElse(is_met, hn::Load(d, found->t + lane), t);
+      u = hn::Load(d, found->u + lane);
+      v = hn::Load(d, found->v + lane);
+    }
+    ends.part[i] = hn::IfThenElse(MaskOf(d, lanes, lane), t, hn::Set(d, -kInfinity));
+    hn::Store(primitive, du, p.hits.primitive + lane);
+    hn::Store(u, d, p.hits.u + lane);
+    hn::Store(v, d, p.hits.v + lane);
+  }
+  StoreRow(ends, p.hits.t);
+  return ends;
+}
+
+// Where the line of the packet begins, how far the rays are from it there, and where the last ends.
+template <int kLanes>
+HWY_INLINE void PlaceLine(const Row<kLanes> (&slope)[2], const Row<kLanes>& ends,
+                          PacketState<kLanes>& p) {
+  const LaneF d;
+  const ShearAxes axes = p.axes;
+  p.line_x = p.origin[axes.x][0];
+  p.line_y = p.origin[axes.y][0];
+  p.line_z = p.origin[axes.z][0];
+  p.half_x = p.half_y = p.half_z = 0.0f;
+  if (p.common_origin || !p.has_line) {
+    p.farthest = LargestLane(p.hits.t);
+    return;
+  }
+  // Where the rays are at z = 0 of the line.
+  Row<kLanes> at_x, at_y, away;
+  for (std::size_t i = 0; i < Row<kLanes>::kVectors; ++i) {
+    const std::size_t lane = i * hn::Lanes(d);
+    const auto z = hn::Sub(hn::Load(d, p.origin[axes.z] + lane), hn::Set(d, p.line_z));
+    const auto x = hn::Sub(hn::Load(d, p.origin[axes.x] + lane), hn::Set(d, p.line_x));
+    const auto y = hn::Sub(hn::Load(d, p.origin[axes.y] + lane), hn::Set(d, p.line_y));
+    at_x.part[i] = hn::Sub(x, hn::Mul(z, slope[0].part[i]));
+    at_y.part[i] = hn::Sub(y, hn::Mul(z, slope[1].part[i]));
+    away.part[i] = hn::Abs(z);
+  }
+  const RowBounds bounds = BoundsOf(at_x, at_y, away, ends);
+  p.line_x += 0.5f * (bounds.low[0] + bounds.high[0]);
+  p.line_y += 0.5f * (bounds.low[1] + bounds.high[1]);
+  p.half_x = 0.5f * (bounds.high[0] - bounds.low[0]);
+  p.half_y = 0.5f * (bounds.high[1] - bounds.low[1]);
+  p.half_z = bounds.high[2];
+  p.farthest = bounds.high[3];
+}
+
 // Makes some lanes of a packet ready to trace, with what they met before if that is given. Returns
 // false when they are better traced apart: in two parts if p.apart says which, else divided anyhow;
 // two packets as two. Lanes of the second packet follow those of the first.
 template <int kLanes>
 HWY_INLINE bool StartPacket(const StartScene& scene, const RayPacket* packet, std::uint32_t lanes,
                             const HitPacket* found, PacketState<kLanes>& p) {
-  const LaneF d;
-  const LaneU du;
-  constexpr std::size_t kWidth = hn::MaxLanes(LaneF());
   p.active = lanes;
   p.met = 0;
   const auto first = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(p.active));
@@ -235,73 +307,21 @@ HWY_INLINE bool StartPacket(const StartScene& scene, const RayPacket* packet, st
   Row<kLanes> slope[2];
   ShearLanes(direction, slope, p);
   p.axes = p.groups[0].axes;
-  const ShearAxes axes = p.axes;
-  if (p.group_count > 1) {
-    for (std::size_t i = 0; i < Row<kLanes>::kVectors; ++i) {
-      const auto z = hn::Load(d, p.direction[axes.z] + i * kWidth);
-      slope[0].part[i] = hn::Div(hn::Load(d, p.direction[axes.x] + i * kWidth), z);
-      slope[1].part[i] = hn::Div(hn::Load(d, p.direction[axes.y] + i * kWidth), z);
-    }
-  }
+  if (p.group_count > 1) FindSlopes(p, slope);
   const RowBounds origins = BoundsOf(origin[0], origin[1], origin[2], slope[0]);
   const RowBounds directions = BoundsOf(direction[0], direction[1], direction[2], slope[1]);
   p.common_origin = packet[0].common_origin;
   if constexpr (kLanes > kPacketLanes) p.common_origin &= IsSameOrigin(packet[1], origins);
   p.has_line =
       FindLine(slope, {origins.low[3], directions.low[3]}, {origins.high[3], directions.high[3]},
-               directions.low[axes.z], directions.high[axes.z], scene, p);
+               directions.low[p.axes.z], directions.high[p.axes.z], scene, p);
   bool is_incoherent = !p.has_line && !scene.has_few_triangles;
   if constexpr (kLanes > kPacketLanes) {
     is_incoherent = !p.has_line || std::max(p.spread_x, p.spread_y) > scene.widest_pair;
   }
   if (HWY_UNLIKELY(p.is_parted() || is_incoherent)) return false;
 
-  const auto never = hn::Set(d, -kInfinity);
-  const auto none = hn::Set(du, kNoPrimitive);
-  Row<kLanes> ends;
-  for (std::size_t i = 0; i < Row<kLanes>::kVectors; ++i) {
-    auto t = hn::Load(d, LaneOf(packet, &RayPacket::t_max, i * kWidth));
-    auto u = hn::Zero(d), v = hn::Zero(d);
-    auto primitive = none;
-    if (found != nullptr) {
-      primitive = hn::Load(du, found->primitive + i * kWidth);
-      const auto is_met = hn::RebindMask(d, hn::Ne(primitive, none));
-      t = hn::IfThenElse(is_met, hn::Load(d, found->t + i * kWidth), t);
-      u = hn::Load(d, found->u + i * kWidth);
-      v = hn::Load(d, found->v + i * kWidth);
-    }
-    ends.part[i] = hn::IfThenElse(MaskOf(d, lanes, i * kWidth), t, never);
-    hn::Store(primitive, du, p.hits.primitive + i * kWidth);
-    hn::Store(u, d, p.hits.u + i * kWidth);
-    hn::Store(v, d, p.hits.v + i * kWidth);
-  }
-  StoreRow(ends, p.hits.t);
-
-  p.line_x = p.origin[axes.x][0];
-  p.line_y = p.origin[axes.y][0];
-  p.line_z = p.origin[axes.z][0];
-  p.half_x = p.half_y = p.half_z = 0.0f;
-  if (p.common_origin || !p.has_line) {
-    p.farthest = LargestLane(p.hits.t);
-  } else {
-    // Where the rays are at z = 0 of the line.
-    Row<kLanes> at_x, at_y, away;
-    for (std::size_t i = 0; i < Row<kLanes>::kVectors; ++i) {
-      const auto z = hn::Sub(hn::Load(d, p.origin[axes.z] + i * kWidth), hn::Set(d, p.line_z));
-      const auto x = hn::Sub(hn::Load(d, p.origin[axes.x] + i * kWidth), hn::Set(d, p.line_x));
-      const auto y = hn::Sub(hn::Load(d, p.origin[axes.y] + i * kWidth), hn::Set(d, p.line_y));
-      at_x.part[i] = hn::Sub(x, hn::Mul(z, slope[0].part[i]));
-      at_y.part[i] = hn::Sub(y, hn::Mul(z, slope[1].part[i]));
-      away.part[i] = hn::Abs(z);
-    }
-    const RowBounds bounds = BoundsOf(at_x, at_y, away, ends);
-    p.line_x += 0.5f * (bounds.low[0] + bounds.high[0]);
-    p.line_y += 0.5f * (bounds.low[1] + bounds.high[1]);
-    p.half_x = 0.5f * (bounds.high[0] - bounds.low[0]);
-    p.half_y = 0.5f * (bounds.high[1] - bounds.low[1]);
-    p.half_z = bounds.high[2];
-    p.farthest = bounds.high[3];
-  }
+  PlaceLine(slope, StartHits(packet, lanes, found, p), p);
   const float reach = scene.beams.make(origins, directions, p.farthest, p.beam);
   // The slack of the beam, four times for the roundings here.
   const float slack = 4.0f * kBeamSlack * reach;

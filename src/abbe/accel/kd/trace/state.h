@@ -6,11 +6,10 @@
 
 #include "abbe/accel/kd/layout.h"
 #include "abbe/accel/kd/trace/beam.h"
+#include "abbe/accel/leaf/packet.h"
+#include "abbe/accel/leaf/shear.h"
+#include "abbe/accel/leaf/ties.h"
 #include "abbe/accel/query.h"
-
-/// A lambda that is inlined wherever it is called, compiled for the instruction set of its
-/// function.
-#define ABBE_INLINE_LAMBDA HWY_ATTR __attribute__((always_inline))
 
 namespace abbe {
 
@@ -68,27 +67,10 @@ struct WorkLists {
   }
 };
 
-/// The axes of the triangle test: z is the longest component of the direction.
-/// Source: Woop, Benthin & Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013.
-struct ShearAxes {
-  int x, y, z;
-  explicit ShearAxes(int longest) : z(longest) {
-    x = z == 2 ? 0 : z + 1;
-    y = x == 2 ? 0 : x + 1;
-  }
-  ShearAxes() : ShearAxes(2) {}
-};
-
-inline int longest_axis(float x, float y, float z) {
-  return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
-}
-
 /// One ray in flight.
 struct alignas(64) RayState {
   Beam beam;
-  ShearAxes axes;
-  float origin_x = 0.0f, origin_y = 0.0f, origin_z = 0.0f;  ///< Along `axes`.
-  float shear_x = 0.0f, shear_y = 0.0f, shear_z = 0.0f;
+  ShearedRay sheared;
   Hit hit;  ///< hit.t is the end of the open segment; it shrinks with every hit.
   const Ray* ray = nullptr;
   std::size_t index = 0;
@@ -100,14 +82,7 @@ struct alignas(64) RayState {
   void start(const Ray& r, const Hit& found, std::size_t i) {
     ray = &r;
     index = i;
-    const Vec3f& d = r.direction;
-    axes = ShearAxes(longest_axis(std::abs(d.x), std::abs(d.y), std::abs(d.z)));
-    shear_z = 1.0f / d[axes.z];
-    shear_x = d[axes.x] * shear_z;
-    shear_y = d[axes.y] * shear_z;
-    origin_x = r.origin[axes.x];
-    origin_y = r.origin[axes.y];
-    origin_z = r.origin[axes.z];
+    sheared = ShearedRay(r);
     hit = found;
   }
 
@@ -127,43 +102,29 @@ struct alignas(64) RayState {
     t_near = stack.t_near[top];
     t_far = stack.t_far[top];
   }
-
-  /// Of two primitives at the same distance the lower number wins, whatever was tested first.
-  void accept(float t, std::uint32_t primitive, float u, float v, const KdView& view,
-              VisibilityMask mask) {
-    const bool is_nearer = t < hit.t || (t == hit.t && hit.is_hit() && primitive < hit.primitive);
-    if (t > 0.0f && is_nearer && view.is_visible(primitive, mask)) hit = {t, primitive, u, v};
-  }
-
-  /// Tests a solid. Errors: none.
-  void test_solid(std::uint32_t primitive, const KdView& view, VisibilityMask mask);
 };
 
-/// Lanes of a packet whose directions have the same longest component.
-struct ShearGroup {
-  ShearAxes axes;
-  std::uint32_t lanes = 0;
+/// The search of a ray in flight, as leaf/search.h has it.
+struct RaySearch {
+  const KdView& view;
+  VisibilityMask mask;
+  RayState& ray;
+
+  void found(float t, std::uint32_t primitive, float u, float v, int) {
+    if (t > 0.0f && is_nearer(t, primitive, ray.hit) && view.is_visible(primitive, mask)) {
+      ray.hit = {t, primitive, u, v};
+    }
+  }
+  /// Tests a solid: compiled once, for all instruction set levels.
+  void test(std::uint32_t solid);
 };
 
 inline constexpr int kPairLanes = 2 * kPacketLanes;
 inline constexpr std::uint32_t kAllLanes = (1u << kPacketLanes) - 1u;  ///< Of one packet.
 
-/// What the rays of a packet or of two have met, as HitPacket has it.
-template <int kLanes>
-struct alignas(64) HitLanes {
-  float t[kLanes], u[kLanes], v[kLanes];
-  std::uint32_t primitive[kLanes];
-};
-
 /// Sixteen rays in flight together, or the thirty-two of two packets.
 template <int kWidth>
-struct alignas(64) PacketState {
-  static constexpr int kLanes = kWidth;
-
-  float origin[3][kLanes];
-  float direction[3][kLanes];
-  float shear_x[kLanes], shear_y[kLanes], shear_z[kLanes];
-  HitLanes<kLanes> hits;  ///< hits.t shrinks; lanes that are done or not active have −infinity.
+struct alignas(64) PacketState : PacketRays<kWidth> {
   Beam beam;
   ShearGroup groups[3];
   int group_count = 0;

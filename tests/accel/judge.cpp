@@ -1,4 +1,4 @@
-#include "accel/brute_force.h"
+#include "accel/judge.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -99,7 +99,16 @@ Verdict nearest_root(double near, double far, double error, double t_max) {
   return second;
 }
 
-Verdict judge_ellipsoid(const Ellipsoid& e, const Ray& ray) {
+// Where a line enters and leaves a solid.
+struct Roots {
+  bool may = false;   // It may meet the solid,
+  bool must = false;  // and must.
+  double near = 0.0, far = 0.0;
+  double error = 0.0;          // Of both.
+  double grazing_error = 0.0;  // The same where it only may.
+};
+
+Roots ellipsoid_roots(const Ellipsoid& e, const Ray& ray) {
   const auto linear = [&](const Vec3d& v) { return e.world_to_unit_linear * v; };
   const Vec3d o = linear(Vec3d(ray.origin)) + e.world_to_unit_offset;
   const Vec3d d = linear(Vec3d(ray.direction));
@@ -109,17 +118,12 @@ Verdict judge_ellipsoid(const Ellipsoid& e, const Ray& ray) {
   const double root = std::sqrt(std::max(inside, 0.0) / a);
   const double size = (std::abs(b / a) + root);
   const double error = 0x1p-23 * size + 1e-12;  // The answer is a float.
-  if (inside < -1e-9) return {};                // Double rounding beside a grazing ray.
-  Verdict verdict =
-      nearest_root(-b / a - root, -b / a + root, error, static_cast<double>(ray.t_max));
-  if (inside < 1e-9) {
-    verdict.must = false;
-    verdict.t_error += root + std::sqrt(1e-9 / a);
-  }
-  return verdict;
+  // Double rounding beside a grazing ray.
+  return {inside >= -1e-9, inside >= 1e-9, -b / a - root,
+          -b / a + root,   error,          root + std::sqrt(1e-9 / a)};
 }
 
-Verdict judge_polyhedron(const World& world, const ConvexPolyhedron& p, const Ray& ray) {
+Roots polyhedron_roots(const World& world, const ConvexPolyhedron& p, const Ray& ray) {
   double enter = -kInfinite, leave = kInfinite;
   bool grazes = false;
   for (std::uint32_t i = 0; i < p.plane_count; ++i) {
@@ -135,19 +139,49 @@ Verdict judge_polyhedron(const World& world, const ConvexPolyhedron& p, const Ra
         towards < 0.0 ? std::max(enter, distance / towards) : std::min(leave, distance / towards);
   }
   const double error = 0x1p-22 * std::max(std::abs(enter), std::abs(leave)) + 1e-9;
-  if (enter > leave + error) return {};
-  Verdict verdict = nearest_root(enter, leave, error, static_cast<double>(ray.t_max));
-  if (grazes || enter > leave - error) verdict.must = false;
+  return {enter <= leave + error, !grazes && enter <= leave - error, enter, leave, error, 0.0};
+}
+
+Roots roots_of(const World& world, std::size_t solid, const Ray& ray) {
+  if (solid < world.ellipsoids.size()) return ellipsoid_roots(world.ellipsoids[solid], ray);
+  return polyhedron_roots(world, world.polyhedra[solid - world.ellipsoids.size()], ray);
+}
+
+Verdict judge_solid(const World& world, std::size_t solid, const Ray& ray) {
+  const Roots roots = roots_of(world, solid, ray);
+  if (!roots.may) return {};
+  Verdict verdict =
+      nearest_root(roots.near, roots.far, roots.error, static_cast<double>(ray.t_max));
+  if (!roots.must) {
+    verdict.must = false;
+    verdict.t_error += roots.grazing_error;
+  }
   return verdict;
+}
+
+// What can be said about each crossing of one ray with one primitive; of none it is nothing.
+std::array<Verdict, 2> judge_crossings(const World& world, std::size_t primitive, const Ray& ray) {
+  if (primitive < world.triangles.size()) {
+    return {judge_triangle(world, world.triangles[primitive], ray)};
+  }
+  const Roots roots = roots_of(world, primitive - world.triangles.size(), ray);
+  if (!roots.may) return {};
+  const double error = roots.error + (roots.must ? 0.0 : roots.grazing_error);
+  const double t_max = static_cast<double>(ray.t_max);
+  std::array<Verdict, 2> verdicts = {at(roots.near, error, t_max), at(roots.far, error, t_max)};
+  for (Verdict& verdict : verdicts) verdict.must = verdict.must && roots.must;
+  return verdicts;
 }
 
 Verdict judge(const World& world, std::size_t primitive, const Ray& ray) {
   if (primitive < world.triangles.size()) {
     return judge_triangle(world, world.triangles[primitive], ray);
   }
-  primitive -= world.triangles.size();
-  if (primitive < world.ellipsoids.size()) return judge_ellipsoid(world.ellipsoids[primitive], ray);
-  return judge_polyhedron(world, world.polyhedra[primitive - world.ellipsoids.size()], ray);
+  return judge_solid(world, primitive - world.triangles.size(), ray);
+}
+
+bool sees(const World& world, std::size_t primitive, VisibilityMask mask) {
+  return world.masks.empty() || (world.masks[primitive] & mask) != 0;
 }
 
 // The nearest distance by which something must have been met.
@@ -161,7 +195,7 @@ Limit limit_of(const World& world, const Ray& ray, VisibilityMask mask) {
   Limit limit;
   const std::size_t count = world.spans().primitive_count();
   for (std::size_t i = 0; i < count; ++i) {
-    if (!world.masks.empty() && (world.masks[i] & mask) == 0) continue;
+    if (!sees(world, i, mask)) continue;
     const Verdict verdict = judge(world, i, ray);
     limit.may_any = limit.may_any || verdict.may;
     if (verdict.must && verdict.t + verdict.t_error < limit.t) {
@@ -214,7 +248,7 @@ std::string check_closest(const World& world, const Ray& ray, VisibilityMask mas
     return fmt::format("missed primitive {} before {}", limit.primitive, limit.t);
   }
   if (hit.primitive >= world.spans().primitive_count()) return "primitive number out of range";
-  if (!world.masks.empty() && (world.masks[hit.primitive] & mask) == 0) return "masked primitive";
+  if (!sees(world, hit.primitive, mask)) return "masked primitive";
   if (!(hit.t > 0.0f && hit.t < ray.t_max)) return "hit outside (0, t_max)";
   const Verdict verdict = judge(world, hit.primitive, ray);
   if (!verdict.may) return "hit a primitive beside the ray";
@@ -232,6 +266,55 @@ std::string check_any(const World& world, const Ray& ray, VisibilityMask mask, b
   if (is_occluded && !limit.may_any) return "occluded by nothing";
   if (!is_occluded && limit.t < kInfinite) {
     return fmt::format("not occluded by primitive {}", limit.primitive);
+  }
+  return {};
+}
+
+std::string check_all(const World& world, const Ray& ray, VisibilityMask mask, VisibilityMask stops,
+                      std::span<const Hit> hits) {
+  const std::size_t count = world.spans().primitive_count();
+  const auto is_stop = [&](const Hit& hit) {
+    return stops != 0 && sees(world, hit.primitive, stops);
+  };
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const Hit& hit = hits[i];
+    if (hit.primitive >= count) return "primitive number out of range";
+    if (!sees(world, hit.primitive, mask)) return "masked primitive";
+    if (!(hit.t > 0.0f && hit.t < ray.t_max)) return "hit outside (0, t_max)";
+    if (is_stop(hit) && i + 1 < hits.size()) return "goes on behind a hit that stops it";
+    if (i > 0) {
+      const Hit& before = hits[i - 1];
+      const bool is_solid = hit.primitive >= world.triangles.size();
+      if (!(before.t < hit.t ||
+            (before.t == hit.t && (before.primitive < hit.primitive ||
+                                   (is_solid && before.primitive == hit.primitive))))) {
+        return fmt::format("hit {} is out of order", i);
+      }
+    }
+    const auto verdicts = judge_crossings(world, hit.primitive, ray);
+    const bool is_right = std::any_of(verdicts.begin(), verdicts.end(), [&](const Verdict& v) {
+      return v.may && std::abs(static_cast<double>(hit.t) - v.t) <= v.t_error + 1e-30;
+    });
+    if (!is_right) return fmt::format("hit {} of primitive {} is none", i, hit.primitive);
+    const auto times = std::count_if(hits.begin(), hits.end(), [&](const Hit& other) {
+      return other.primitive == hit.primitive;
+    });
+    if (times > (hit.primitive < world.triangles.size() ? 1 : 2)) {
+      return fmt::format("primitive {} is met {} times", hit.primitive, times);
+    }
+  }
+  const double end =
+      !hits.empty() && is_stop(hits.back()) ? static_cast<double>(hits.back().t) : kInfinite;
+  for (std::size_t primitive = 0; primitive < count; ++primitive) {
+    if (!sees(world, primitive, mask)) continue;
+    for (const Verdict& verdict : judge_crossings(world, primitive, ray)) {
+      if (!verdict.must || verdict.t + verdict.t_error >= end) continue;
+      const bool is_found = std::any_of(hits.begin(), hits.end(), [&](const Hit& hit) {
+        return hit.primitive == primitive &&
+               std::abs(static_cast<double>(hit.t) - verdict.t) <= verdict.t_error + 1e-30;
+      });
+      if (!is_found) return fmt::format("missed primitive {} at {}", primitive, verdict.t);
+    }
   }
   return {};
 }
@@ -272,51 +355,104 @@ std::string text_of(const Hit& hit) {
   return fmt::format("primitive {} at {:a}, u {}, v {}", hit.primitive, hit.t, hit.u, hit.v);
 }
 
-void expect_right_answers(const World& world, const KdTree& tree, std::span<const Ray> rays,
-                          VisibilityMask mask, std::size_t judged) {
-  std::vector<Hit> hits(rays.size());
-  std::vector<std::uint8_t> occluded(rays.size());
-  tree.closest_hits(rays, mask, hits);
-  tree.any_hits(rays, mask, occluded);
-  int reported = 0;
-  const auto report = [&](std::size_t i, const std::string& what) {
-    if (++reported <= 5) {
-      ADD_FAILURE() << "ray " << i << ": " << what << "; answer " << text_of(hits[i]) << "; "
-                    << text_of(rays[i]);
-    }
-  };
-  const std::size_t stride =
-      std::max<std::size_t>(1, rays.size() / std::max<std::size_t>(judged, 1));
-  for (std::size_t i = 0; i < rays.size(); i += stride) {
-    if (const auto wrong = check_closest(world, rays[i], mask, hits[i]); !wrong.empty()) {
-      report(i, wrong);
-    }
+namespace {
+
+// Says of the first few rays what is wrong with their answers.
+class Reporter {
+ public:
+  explicit Reporter(std::span<const Ray> rays) : rays_(rays) {}
+  ~Reporter() { EXPECT_EQ(count_, 0); }
+
+  void report(std::size_t i, const std::string& what) {
+    if (++count_ <= 5) ADD_FAILURE() << "ray " << i << ": " << what << "; " << text_of(rays_[i]);
   }
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    if ((occluded[i] != 0) != hits[i].is_hit()) report(i, "closest and any hit disagree");
-    QueryCost cost;
-    const Hit single = tree.closest_hit_with_cost(rays[i], mask, cost);
-    if (!is_same(single, hits[i])) report(i, "alone it meets " + text_of(single));
+  void check(std::size_t i, const std::string& wrong, const Hit& answer) {
+    if (!wrong.empty()) report(i, wrong + "; answer " + text_of(answer));
   }
+
+ private:
+  std::span<const Ray> rays_;
+  int count_ = 0;
+};
+
+std::vector<RayPacket> packets_of(std::span<const Ray> rays) {
   std::vector<RayPacket> packets;
   for (std::size_t i = 0; i < rays.size(); i += kPacketLanes) {
     packets.push_back(
         make_packet(rays.subspan(i, std::min<std::size_t>(kPacketLanes, rays.size() - i))));
   }
+  return packets;
+}
+
+std::size_t stride_of(std::span<const Ray> rays, std::size_t judged) {
+  return std::max<std::size_t>(1, rays.size() / std::max<std::size_t>(judged, 1));
+}
+
+}  // namespace
+
+void expect_right_answers(const World& world, const Accelerator& accelerator,
+                          std::span<const Ray> rays, VisibilityMask mask, std::size_t judged) {
+  std::vector<Hit> hits(rays.size());
+  std::vector<std::uint8_t> occluded(rays.size());
+  accelerator.closest_hits(rays, mask, hits);
+  accelerator.any_hits(rays, mask, occluded);
+  Reporter reporter(rays);
+  for (std::size_t i = 0; i < rays.size(); i += stride_of(rays, judged)) {
+    reporter.check(i, check_closest(world, rays[i], mask, hits[i]), hits[i]);
+  }
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if ((occluded[i] != 0) != hits[i].is_hit()) {
+      reporter.report(i, "closest and any hit disagree, closest " + text_of(hits[i]));
+    }
+    QueryCost cost;
+    const Hit single = accelerator.closest_hit_with_cost(rays[i], mask, cost);
+    if (!is_same(single, hits[i])) reporter.report(i, "alone it meets " + text_of(single));
+  }
+  const std::vector<RayPacket> packets = packets_of(rays);
   std::vector<HitPacket> packet_hits(packets.size());
   std::vector<std::uint32_t> packet_occluded(packets.size());
-  tree.closest_hits(packets, mask, packet_hits);
-  tree.any_hits(packets, mask, packet_occluded);
+  accelerator.closest_hits(packets, mask, packet_hits);
+  accelerator.any_hits(packets, mask, packet_occluded);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const std::size_t p = i / kPacketLanes;
     const int lane = static_cast<int>(i % kPacketLanes);
     const Hit hit = lane_of(packet_hits[p], lane);
-    if (!is_same(hit, hits[i])) report(i, "in a packet it meets " + text_of(hit));
+    if (!is_same(hit, hits[i])) {
+      reporter.report(i,
+                      "in a packet it meets " + text_of(hit) + " instead of " + text_of(hits[i]));
+    }
     if ((packet_occluded[p] >> lane & 1u) != (occluded[i] != 0 ? 1u : 0u)) {
-      report(i, "a packet's any hit disagrees");
+      reporter.report(i, "a packet's any hit disagrees");
     }
   }
-  EXPECT_EQ(reported, 0);
+  expect_right_lists(world, accelerator, rays, mask, VisibilityMask{0}, judged / 4);
+}
+
+void expect_right_lists(const World& world, const Accelerator& accelerator,
+                        std::span<const Ray> rays, VisibilityMask mask, VisibilityMask stops,
+                        std::size_t judged) {
+  std::vector<Hit> hits(rays.size());
+  HitLists lists, in_packets;
+  accelerator.closest_hits(rays, mask, hits);
+  accelerator.all_hits(rays, mask, stops, lists);
+  accelerator.all_hits(packets_of(rays), mask, stops, in_packets);
+  ASSERT_EQ(lists.size(), rays.size());
+  ASSERT_EQ(in_packets.size(), (rays.size() + 15) / 16 * 16);
+  Reporter reporter(rays);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Hit first = lists[i].empty() ? Hit{} : lists[i].front();
+    if (!is_same(first, hits[i])) {
+      reporter.report(
+          i, "the first of all is " + text_of(first) + ", the closest " + text_of(hits[i]));
+    }
+    if (!std::equal(lists[i].begin(), lists[i].end(), in_packets[i].begin(), in_packets[i].end(),
+                    is_same)) {
+      reporter.report(i, "in a packet it meets others");
+    }
+  }
+  for (std::size_t i = 0; i < rays.size(); i += stride_of(rays, judged)) {
+    reporter.check(i, check_all(world, rays[i], mask, stops, lists[i]), hits[i]);
+  }
 }
 
 }  // namespace abbe::test

@@ -80,7 +80,7 @@ struct Shot {
           {Vec3f(0.1f, 0.2f, 0.3f), kInfinity, Vec3f(r * std::cos(phi), r * std::sin(phi), z)});
     }
     hits.resize(rays.size());
-    world.tree.closest_hits(std::span<const Ray>(rays), kAllBits, std::span<Hit>(hits));
+    world.accelerator->closest_hits(std::span<const Ray>(rays), kAllBits, std::span<Hit>(hits));
   }
   World world;
   std::vector<Ray> rays;

@@ -72,7 +72,7 @@ nlohmann::json stats_json(const World& world, const RenderResult& result, const 
                       {"share_cut", caustics.share_cut},
                       {"straight", caustics.fallbacks}};
   json["bytes"] = {{"geometry", world.geometry.bytes()},
-                   {"accelerator", world.tree.bytes()},
+                   {"accelerator", world.accelerator->bytes()},
                    {"chains", world.chain_rows.capacity() * sizeof(float)},
                    {"peak_memory", peak_memory_bytes()}};
   json["dropped_samples"] = result.dropped_samples;

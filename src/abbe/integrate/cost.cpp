@@ -10,7 +10,7 @@ void count_fan_cost(const World& world, const FanList& list, std::size_t first, 
     QueryCost& cost = first_hits[fan.sample].cost;
     if (!fan.spread) {
       const Ray ray{fan.origin, kInfinity, fan.direction};
-      world.tree.closest_hit_with_cost(ray, kAllBits, cost);
+      world.accelerator->closest_hit_with_cost(ray, kAllBits, cost);
       continue;
     }
     const auto lane_vector = [&](int first_array, int lane) {
@@ -20,7 +20,7 @@ void count_fan_cost(const World& world, const FanList& list, std::size_t first, 
     for (int lane = 0; lane < world.lanes.lane_count(); ++lane) {
       if (!fan.lanes.test(lane)) continue;
       const Ray ray{lane_vector(1, lane), kInfinity, lane_vector(4, lane)};
-      world.tree.closest_hit_with_cost(ray, kAllBits, cost);
+      world.accelerator->closest_hit_with_cost(ray, kAllBits, cost);
     }
   }
 }
@@ -32,14 +32,14 @@ void count_shadow_cost(const World& world, const IntegratorScratch::Buffers& buf
     const ShadowQueries& queries = buffers.queries_of(job);
     const VisibilityMask blocking = blocking_bits(job.ends_at_glass);
     if (!job.spread) {
-      world.tree.any_hit_with_cost(queries.rays[job.first_query], blocking, cost);
+      world.accelerator->any_hit_with_cost(queries.rays[job.first_query], blocking, cost);
       continue;
     }
     for (int lane = 0; lane < world.lanes.lane_count(); ++lane) {
       if (!job.lanes.test(lane)) continue;
       const auto block = static_cast<std::uint32_t>(lane / kPacketLanes);
       const Ray ray = ray_of(queries.packets[job.first_query + block], lane % kPacketLanes);
-      world.tree.any_hit_with_cost(ray, blocking, cost);
+      world.accelerator->any_hit_with_cost(ray, blocking, cost);
     }
   }
 }

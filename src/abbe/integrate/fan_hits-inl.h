@@ -150,7 +150,8 @@ class FanHits {
     }
     b_.hits.resize(b_.rays.size());
     if (!b_.rays.empty()) {
-      world_.tree.closest_hits(std::span<const Ray>(b_.rays), kAllBits, std::span<Hit>(b_.hits));
+      world_.accelerator->closest_hits(std::span<const Ray>(b_.rays), kAllBits,
+                                       std::span<Hit>(b_.hits));
     }
     trace_packets();
   }
@@ -229,8 +230,8 @@ class FanHits {
   void trace_packets() {
     b_.packet_hits.resize(b_.packets.size());
     if (b_.packets.empty()) return;
-    world_.tree.closest_hits(std::span<const RayPacket>(b_.packets), kAllBits,
-                             std::span<HitPacket>(b_.packet_hits));
+    world_.accelerator->closest_hits(std::span<const RayPacket>(b_.packets), kAllBits,
+                                     std::span<HitPacket>(b_.packet_hits));
   }
 
   void fill_packet(RayPacket& packet, const float* lanes, int block, const Fan& fan) const {

@@ -81,7 +81,8 @@ WorldOptions world_options(const RenderSettings& settings) {
           .caustics = {.exact = settings.caustics,
                        .inner_reflections = settings.inner_reflections,
                        .cutoff = settings.cutoff},
-          .frozen = settings.frozen};
+          .frozen = settings.frozen,
+          .accelerator = settings.accelerator};
 }
 
 void check_settings(const RenderSettings& settings) {

@@ -30,10 +30,11 @@ struct RenderSettings {
   bool caustics = true;       ///< Light bent by flat facets exactly; else straight shadow rays.
   int inner_reflections = 1;  ///< Of a chain of facets, in one body.
   std::uint32_t seed = 0;
-  std::vector<std::string> aovs;  ///< Groups of extra channels, of aov_names().
-  int threads = 0;                ///< 0: all cores. Never shapes the image.
-  CauseSet frozen;                ///< Held as the mode `rgb` has them; spectral mode only.
-  int cluster_lanes = 0;          ///< IntegratorSettings::cluster_lanes: benchmarks only.
+  std::vector<std::string> aovs;       ///< Groups of extra channels, of aov_names().
+  int threads = 0;                     ///< 0: all cores. Never shapes the image.
+  std::string accelerator = "kdtree";  ///< One of accelerator_names(). Never shapes the image.
+  CauseSet frozen;                     ///< Held as the mode `rgb` has them; spectral mode only.
+  int cluster_lanes = 0;               ///< IntegratorSettings::cluster_lanes: benchmarks only.
 };
 
 /// Groups of extra channels: Z, P, N, albedo, UV, objectId, materialId, cost; direct,

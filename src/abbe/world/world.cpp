@@ -43,7 +43,7 @@ World make_world(const Scene& scene, const WorldOptions& options, const Observer
   add_chains(scene, options.caustics, notes, world);
   const std::vector<VisibilityMask> masks = masks_of(world);
   for (const VisibilityMask mask : masks) world.visibility_bits |= mask;
-  world.tree = KdTree::build(world.geometry.shapes(masks));
+  world.accelerator = build_accelerator(options.accelerator, world.geometry.shapes(masks));
   world.build_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return world;

@@ -4,13 +4,14 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "abbe/accel/kd/tree.h"
+#include "abbe/accel/accelerator.h"
 #include "abbe/base/notes.h"
 #include "abbe/scene/scene.h"
 #include "abbe/world/chains.h"
@@ -125,7 +126,7 @@ struct World {
   Geometry geometry;
   std::vector<SurfaceMaterial> materials;
 
-  KdTree tree;
+  std::unique_ptr<const Accelerator> accelerator;
   /// Which kinds of surfaces there are, as bits of the accelerator's masks.
   VisibilityMask visibility_bits = 0;
 
@@ -170,7 +171,8 @@ struct WorldOptions {
   DevelopmentOptions development = {};
   Uplift uplift = Uplift::JakobHanika;
   CausticOptions caustics = {};
-  CauseSet frozen = {};  ///< Spectral mode only.
+  CauseSet frozen = {};                ///< Spectral mode only.
+  std::string accelerator = "kdtree";  ///< One of accelerator_names(). Never shapes the image.
 };
 
 /// Flattens, tabulates and builds.

@@ -338,9 +338,9 @@ class Paths {
     constexpr int kMostSurfaces = 64;
     for (int i = 0; i < kMostSurfaces && ray.t_max > 0.0f; ++i) {
       Hit hit;
-      world_.tree.closest_hits(std::span<const Ray>(&ray, 1),
-                               kOpaqueBit | kTransparentBit | kExactGlassBit,
-                               std::span<Hit>(&hit, 1));
+      world_.accelerator->closest_hits(std::span<const Ray>(&ray, 1),
+                                       kOpaqueBit | kTransparentBit | kExactGlassBit,
+                                       std::span<Hit>(&hit, 1));
       if (!hit.is_hit()) return false;
       const SurfacePoint point = surface_point(world_, ray.origin, ray.direction, hit);
       const Surface& surface = world_.geometry.surfaces[point.surface];

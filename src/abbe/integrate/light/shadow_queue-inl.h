@@ -173,7 +173,8 @@ class ShadowQueue {
            std::vector<Answer>& occluded) const {
     occluded.resize(queries.size());
     if (queries.empty()) return;
-    world_.tree.any_hits(std::span<const Query>(queries), blocking, std::span<Answer>(occluded));
+    world_.accelerator->any_hits(std::span<const Query>(queries), blocking,
+                                 std::span<Answer>(occluded));
   }
 
   const World& world_;

@@ -40,8 +40,8 @@ class Passer {
     // Most rays meet nothing transparent: a packet finds that out for sixteen lanes at once.
     meets_.resize(queries.packets.size());
     if (!meets_.empty() && passing_ != 0) {
-      world.tree.any_hits(std::span<const RayPacket>(queries.packets), passing_,
-                          std::span<std::uint32_t>(meets_));
+      world.accelerator->any_hits(std::span<const RayPacket>(queries.packets), passing_,
+                                  std::span<std::uint32_t>(meets_));
     }
   }
 
@@ -79,7 +79,8 @@ class Passer {
       rays_.clear();
       for (const Passage& passage : underway_) rays_.push_back(passage.ray);
       hits_.resize(rays_.size());
-      world_.tree.closest_hits(std::span<const Ray>(rays_), passing_, std::span<Hit>(hits_));
+      world_.accelerator->closest_hits(std::span<const Ray>(rays_), passing_,
+                                       std::span<Hit>(hits_));
       stats_.shadow_rays += rays_.size();
       std::size_t kept = 0;
       for (std::size_t i = 0; i < underway_.size(); ++i) {

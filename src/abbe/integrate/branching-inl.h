@@ -15,7 +15,7 @@
 
 #include "abbe/integrate/fan.h"
 #include "abbe/integrate/integrator.h"
-#include "abbe/integrate/surface/answer.h"
+#include "abbe/integrate/lit_surface.h"
 #include "abbe/integrate/surface/point_lanes-inl.h"
 #include "abbe/math/sampling.h"
 

@@ -1,50 +1,16 @@
 /// The working memory of one integrating thread.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "abbe/accel/query.h"
 #include "abbe/base/aligned.h"
 #include "abbe/integrate/fan.h"
 #include "abbe/integrate/integrator.h"
-#include "abbe/integrate/light/coherent_shadow_rays.h"
+#include "abbe/integrate/light/shadow_jobs.h"
 
 namespace abbe {
-
-/// Light on its way to lanes that wait to know whether it is blocked.
-struct ShadowJob {
-  std::uint32_t sample = 0;
-  std::uint32_t data = 0;  ///< Offset of the light per lane, then of the visibility per lane.
-  std::uint32_t first_query = 0;  ///< Index of its ray, or of its first packet.
-  std::uint32_t record = 0;       ///< 1 + number of the record it belongs to.
-  LaneMask lanes;                 ///< Lanes that any light can reach.
-  MediumStack media;
-  FanOrigin first_turn = FanOrigin::Camera;
-  bool spread = false;
-  bool ends_at_glass = false;  ///< Flat glass blocks it: that light comes on chains.
-  /// A part of a chain's way that only multiplies the visibility of another job, of this data.
-  std::optional<std::uint32_t> gate_of;
-};
-
-/// Ways on which something may stand, one query each, and whether something opaque does.
-struct ShadowQueries {
-  std::vector<Ray> rays;
-  std::vector<std::uint32_t> ray_lamps;  ///< Per ray, as RelatedRays has it.
-  std::vector<std::uint8_t> ray_occluded;
-  std::vector<RayPacket> packets;
-  std::vector<std::uint32_t> packet_occluded;
-};
-
-/// What stops ways of a kind for good, and what may let them by weakened.
-inline VisibilityMask blocking_bits(bool ends_at_glass) {
-  return ends_at_glass ? kOpaqueBit | kExactGlassBit : kOpaqueBit;
-}
-inline VisibilityMask passing_bits(bool ends_at_glass) {
-  return ends_at_glass ? kTransparentBit : kTransparentBit | kExactGlassBit;
-}
 
 struct IntegratorScratch::Buffers {
   std::vector<FanList> spare_lists;
@@ -56,21 +22,8 @@ struct IntegratorScratch::Buffers {
   std::vector<HitPacket> packet_hits;
   std::vector<std::uint32_t> first_query;  ///< Per fan of the batch.
 
-  // Any-hit queries towards lights.
-  std::vector<ShadowJob> shadow_jobs;
-  AlignedVector<float> shadow_data;
-  std::array<ShadowQueries, 2>
-      shadow_queries;  ///< Of ways that pass exact glass, and that end there.
-  RelatedRays related;
-
-  ShadowQueries& queries_of(const ShadowJob& job) { return shadow_queries[job.ends_at_glass]; }
-  const ShadowQueries& queries_of(const ShadowJob& job) const {
-    return shadow_queries[job.ends_at_glass];
-  }
-
-  AlignedVector<float> local_light;   ///< Emission and ambient light, per sample and lane.
-  AlignedVector<float> direct_light;  ///< Light from lights, likewise: two sums, so that the
-                                      ///< order of each does not depend on batching.
+  ShadowBuffers shadows;
+  AlignedVector<float> local_light;  ///< Emission and ambient light, per sample and lane.
 };
 
 }  // namespace abbe

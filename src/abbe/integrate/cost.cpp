@@ -25,9 +25,9 @@ void count_fan_cost(const World& world, const FanList& list, std::size_t first, 
   }
 }
 
-void count_shadow_cost(const World& world, const IntegratorScratch::Buffers& buffers,
+void count_shadow_cost(const World& world, const ShadowBuffers& buffers,
                        std::span<FirstHit> first_hits) {
-  for (const ShadowJob& job : buffers.shadow_jobs) {
+  for (const ShadowJob& job : buffers.jobs) {
     QueryCost& cost = first_hits[job.sample].cost;
     const ShadowQueries& queries = buffers.queries_of(job);
     const VisibilityMask blocking = blocking_bits(job.ends_at_glass);

@@ -4,7 +4,8 @@
 #include <cstddef>
 #include <span>
 
-#include "abbe/integrate/buffers.h"
+#include "abbe/integrate/integrator.h"
+#include "abbe/integrate/light/shadow_jobs.h"
 
 namespace abbe {
 
@@ -14,7 +15,7 @@ void count_fan_cost(const World& world, const FanList& list, std::size_t first, 
                     std::span<FirstHit> first_hits);
 
 /// The same for the shadow rays of a batch; they stop where they find something.
-void count_shadow_cost(const World& world, const IntegratorScratch::Buffers& buffers,
+void count_shadow_cost(const World& world, const ShadowBuffers& buffers,
                        std::span<FirstHit> first_hits);
 
 }  // namespace abbe

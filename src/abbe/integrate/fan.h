@@ -7,14 +7,12 @@
 
 #include "abbe/accel/query.h"
 #include "abbe/base/aligned.h"
+#include "abbe/integrate/fan_origin.h"
 #include "abbe/integrate/surface/media.h"
 #include "abbe/math/lane_mask.h"
 #include "abbe/math/vec.h"
 
 namespace abbe {
-
-/// What led to a fan; also its place in the path word that random numbers belong to.
-enum class FanOrigin : std::uint8_t { Camera, Reflected, Refracted, Passed };
 
 /// A set of rays, one per lane: united (one ray, all lanes) or spread (a ray per lane).
 ///

@@ -43,7 +43,7 @@ class Tracer {
         stats_(stats),
         b_(buffers),
         recorder_(world, samples, results.records),
-        shadows_(world, samples, stats, buffers, recorder_),
+        shadows_(world, samples, stats, buffers.shadows, recorder_),
         lamps_(world, settings.kernel, samples, shadows_),
         fog_(world, samples, shadows_),
         stride_(world.lanes.lane_stride()),
@@ -53,7 +53,7 @@ class Tracer {
   void run() {
     const std::span<float> radiance = results_.radiance;
     b_.local_light.assign(radiance.size(), 0.0f);
-    b_.direct_light.assign(radiance.size(), 0.0f);
+    b_.shadows.direct_light.assign(radiance.size(), 0.0f);
     std::fill(results_.light_parts.begin(), results_.light_parts.end(), 0.0f);
     std::fill(results_.albedo.begin(), results_.albedo.end(), 0.0f);
     FanQueue queue(b_.spare_lists, stats_);
@@ -62,7 +62,7 @@ class Tracer {
     queue.run(std::move(first), [&](const FanList& list, std::size_t begin, std::size_t end,
                                     FanList& next) { run_batch(list, begin, end, next); });
     for (std::size_t i = 0; i < radiance.size(); ++i) {
-      radiance[i] = b_.local_light[i] + b_.direct_light[i];
+      radiance[i] = b_.local_light[i] + b_.shadows.direct_light[i];
     }
   }
 
@@ -103,7 +103,7 @@ class Tracer {
         follow_united(list, batch, i, next);
       }
     }
-    if (settings_.counts_cost) count_shadow_cost(world_, b_, results_.first_hits);
+    if (settings_.counts_cost) count_shadow_cost(world_, b_.shadows, results_.first_hits);
     shadows_.resolve(results_.light_parts);
   }
 

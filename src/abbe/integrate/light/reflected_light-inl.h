@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include "abbe/integrate/light/light_geometry.h"
+#include "abbe/integrate/lit_surface.h"
 #include "abbe/integrate/surface/answer-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -13,8 +13,8 @@
 #include <cstdint>
 #include <span>
 
-#include "abbe/integrate/buffers.h"
 #include "abbe/integrate/integrator.h"
+#include "abbe/integrate/light/shadow_jobs.h"
 #include "abbe/integrate/light/transmittance.h"
 #include "abbe/integrate/recorder.h"
 #include "abbe/math/lanes-inl.h"
@@ -37,7 +37,7 @@ template <class D>
 class ShadowQueue {
  public:
   ShadowQueue(const World& world, std::span<const CameraSample> samples, IntegratorStats& stats,
-              IntegratorScratch::Buffers& buffers, FanRecorder& recorder)
+              ShadowBuffers& buffers, FanRecorder& recorder)
       : world_(world),
         samples_(samples),
         stats_(stats),
@@ -46,9 +46,9 @@ class ShadowQueue {
         stride_(world.lanes.lane_stride()) {}
 
   void start_batch() {
-    b_.shadow_jobs.clear();
-    b_.shadow_data.clear();
-    for (ShadowQueries& queries : b_.shadow_queries) {
+    b_.jobs.clear();
+    b_.data.clear();
+    for (ShadowQueries& queries : b_.queries) {
       queries.rays.clear();
       queries.ray_lamps.clear();
       queries.packets.clear();
@@ -57,21 +57,21 @@ class ShadowQueue {
 
   /// Room for the light of a job, per lane; its visibility starts at 1.
   float* reserve(ShadowJob& job) {
-    job.data = static_cast<std::uint32_t>(b_.shadow_data.size());
-    b_.shadow_data.resize(job.data + 2 * static_cast<std::size_t>(stride_), 1.0f);
-    return b_.shadow_data.data() + job.data;
+    job.data = static_cast<std::uint32_t>(b_.data.size());
+    b_.data.resize(job.data + 2 * static_cast<std::size_t>(stride_), 1.0f);
+    return b_.data.data() + job.data;
   }
 
   /// Keeps the lanes of `among` that the job's light is anything in; without any, gives its room
   /// back and returns false.
   bool keep_lit(ShadowJob& job, const LaneMask& among) {
     const D d;
-    const float* light = b_.shadow_data.data() + job.data;
+    const float* light = b_.data.data() + job.data;
     for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
       SetLanesFrom(d, hn::Ne(hn::LoadU(d, light + i), hn::Zero(d)), i, job.lanes);
     }
     job.lanes = job.lanes & among;
-    if (!job.lanes.any()) b_.shadow_data.resize(job.data);
+    if (!job.lanes.any()) b_.data.resize(job.data);
     return job.lanes.any();
   }
 
@@ -96,19 +96,19 @@ class ShadowQueue {
       }
       stats_.shadow_rays += static_cast<std::uint64_t>(job.lanes.count());
     }
-    b_.shadow_jobs.push_back(job);
+    b_.jobs.push_back(job);
   }
 
   /// All shadow rays of the batch, and the light they let through, also by its parts where there is
   /// room for them.
   void resolve(std::span<float> light_parts) {
-    if (b_.shadow_jobs.empty()) return;
+    if (b_.jobs.empty()) return;
     for (const bool ends_at_glass : {false, true}) {
-      ask(b_.shadow_queries[ends_at_glass], blocking_bits(ends_at_glass));
+      ask(b_.queries[ends_at_glass], blocking_bits(ends_at_glass));
     }
-    for (const ShadowJob& job : b_.shadow_jobs) {
+    for (const ShadowJob& job : b_.jobs) {
       const ShadowQueries& queries = b_.queries_of(job);
-      float* visibility = b_.shadow_data.data() + job.data + stride_;
+      float* visibility = b_.data.data() + job.data + stride_;
       for (int lane = 0; lane < stride_; ++lane) {
         const bool blocked =
             job.spread ? (queries.packet_occluded[job.first_query + lane / kPacketLanes] >>
@@ -120,15 +120,15 @@ class ShadowQueue {
     }
     attenuate_by_transparent(world_, samples_, b_, stats_);
     const D d;
-    for (const ShadowJob& gate : b_.shadow_jobs) {
+    for (const ShadowJob& gate : b_.jobs) {
       if (!gate.gate_of) continue;
-      const float* open = b_.shadow_data.data() + gate.data + stride_;
-      float* visibility = b_.shadow_data.data() + *gate.gate_of + stride_;
+      const float* open = b_.data.data() + gate.data + stride_;
+      float* visibility = b_.data.data() + *gate.gate_of + stride_;
       for (int lane = 0; lane < stride_; ++lane) visibility[lane] *= open[lane];
     }
-    for (const ShadowJob& job : b_.shadow_jobs) {
+    for (const ShadowJob& job : b_.jobs) {
       if (job.gate_of) continue;
-      const float* light = b_.shadow_data.data() + job.data;
+      const float* light = b_.data.data() + job.data;
       const float* visibility = light + stride_;
       float* sum = b_.direct_light.data() + static_cast<std::size_t>(job.sample) * stride_;
       for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
@@ -180,7 +180,7 @@ class ShadowQueue {
   const World& world_;
   std::span<const CameraSample> samples_;
   IntegratorStats& stats_;
-  IntegratorScratch::Buffers& b_;
+  ShadowBuffers& b_;
   FanRecorder& recorder_;
   const int stride_;
 };

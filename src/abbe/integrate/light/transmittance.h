@@ -1,7 +1,8 @@
 /// Straight light through transparent surfaces: the visibility v of the illumination equation.
 #pragma once
 
-#include "abbe/integrate/buffers.h"
+#include "abbe/integrate/integrator.h"
+#include "abbe/integrate/light/shadow_jobs.h"
 #include "abbe/world/world.h"
 
 namespace abbe {
@@ -11,6 +12,6 @@ namespace abbe {
 /// absorption over the straight length.
 /// Domain: opaque occlusion is already in the visibilities.
 void attenuate_by_transparent(const World& world, std::span<const CameraSample> samples,
-                              IntegratorScratch::Buffers& buffers, IntegratorStats& stats);
+                              ShadowBuffers& buffers, IntegratorStats& stats);
 
 }  // namespace abbe

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <array>
-#include <optional>
+#include <cstddef>
 
-#include "abbe/integrate/fan.h"
+#include "abbe/integrate/fan_origin.h"
 #include "abbe/integrate/surface/hit.h"
 #include "abbe/integrate/surface/media.h"
 #include "abbe/math/lane_array.h"
@@ -63,24 +63,6 @@ struct SurfaceAnswer {
     }
     return nullptr;
   }
-};
-
-/// A fan's lanes at a surface: what the fans that it becomes, and light on its way to it, refer to.
-struct FanAtSurface {
-  const Fan& fan;
-  const SurfaceHit& hit;
-  float path_length_m = 0.0f;       ///< From the camera to here.
-  std::uint32_t record_number = 0;  ///< 1 + number of the record of this, or 0.
-};
-
-/// A surface that lamps shine on: all that decides what of their light goes back along the lanes.
-struct LitSurface {
-  const FanAtSurface& where;
-  const MaterialLanes& at;
-  const BoundaryRows& rows;
-  const SurfaceAnswer& answer;
-  const LaneArray& throughput;
-  bool has_rough_lobe = false;
 };
 
 }  // namespace abbe

@@ -1,0 +1,29 @@
+/// A fan at a surface that light shines on.
+#pragma once
+
+#include <cstdint>
+
+#include "abbe/integrate/fan.h"
+#include "abbe/integrate/surface/answer.h"
+
+namespace abbe {
+
+/// A fan's lanes at a surface: what the fans that it becomes, and light on its way to it, refer to.
+struct FanAtSurface {
+  const Fan& fan;
+  const SurfaceHit& hit;
+  float path_length_m = 0.0f;       ///< From the camera to here.
+  std::uint32_t record_number = 0;  ///< 1 + number of the record of this, or 0.
+};
+
+/// A surface that lamps shine on: all that decides what of their light goes back along the lanes.
+struct LitSurface {
+  const FanAtSurface& where;
+  const MaterialLanes& at;
+  const BoundaryRows& rows;
+  const SurfaceAnswer& answer;
+  const LaneArray& throughput;
+  bool has_rough_lobe = false;
+};
+
+}  // namespace abbe

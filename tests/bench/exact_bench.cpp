@@ -9,7 +9,7 @@
 #include <string>
 
 #include "abbe/base/isa.h"
-#include "abbe/cli/prepare.h"
+#include "abbe/session/prepare.h"
 #include "bench/render_jobs.h"
 #include "support/gems.h"
 #include "support/scene_builder.h"
@@ -19,9 +19,8 @@ namespace {
 
 Subject newton(bool has_fog) {
   Notes notes;
-  SceneOptions options;
-  options.file = ABBE_SOURCE_DIR "/scenes/newton/newton.gltf";
-  PreparedScene prepared = prepare_scene(options, test::catalogue(), notes);
+  PreparedScene prepared = prepare_scene({.file = ABBE_SOURCE_DIR "/scenes/newton/newton.gltf"},
+                                         test::catalogue(), notes);
   if (!has_fog) prepared.scene.fog.reset();
   return {"newton", prepared.scene, prepared.chosen_camera()};
 }

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "abbe/base/isa.h"
-#include "abbe/cli/prepare.h"
+#include "abbe/session/prepare.h"
 #include "bench/render_jobs.h"
 #include "support/gems.h"
 #include "support/scene_builder.h"
@@ -21,9 +21,8 @@ namespace {
 
 Subject hero() {
   Notes notes;
-  SceneOptions options;
-  options.file = ABBE_SOURCE_DIR "/scenes/prism/prism.gltf";
-  const PreparedScene prepared = prepare_scene(options, test::catalogue(), notes);
+  const PreparedScene prepared =
+      prepare_scene({.file = ABBE_SOURCE_DIR "/scenes/prism/prism.gltf"}, test::catalogue(), notes);
   return {"prism", prepared.scene, prepared.chosen_camera()};
 }
 

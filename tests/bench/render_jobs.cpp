@@ -32,7 +32,7 @@ std::vector<double> least_seconds(const std::vector<Job>& jobs, int repeats) {
 Timed timed_render(const World& world, const Camera& camera, const RenderSettings& settings) {
   const ThreadLimit limit(settings.threads);
   const double start = cpu_seconds(RUSAGE_SELF);
-  const RenderResult result = render(world, camera, settings);
+  const test::Rendered result = test::render(world, camera, settings);
   return {result.stats, result.queue_capacity, cpu_seconds(RUSAGE_SELF) - start, result.seconds};
 }
 

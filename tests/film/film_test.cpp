@@ -202,22 +202,22 @@ TEST(Film, pixels_from_many_threads_equal_those_of_one) {
 }
 
 TEST(Film, impossible_size_or_crop_is_a_usage_error) {
-  const auto rejects = [](const Vec2i& size, std::optional<PixelRect> crop, const char* option) {
+  const auto rejects = [](const Vec2i& size, std::optional<PixelRect> crop, const char* field) {
     try {
       Film film({.full_size = size, .crop = crop});
       ADD_FAILURE() << "no error for " << size.x << "x" << size.y;
     } catch (const Error& error) {
       EXPECT_EQ(error.detail().kind, ErrorKind::Usage);
-      EXPECT_THAT(error.what(), HasSubstr(option));
+      EXPECT_THAT(error.what(), HasSubstr(field));
     }
   };
-  rejects({0, 5}, {}, "--size");
-  rejects({5, -1}, {}, "--size");
-  rejects({70000, 5}, {}, "--size");
-  rejects({65536, 65536}, {}, "--size");
-  rejects({10, 10}, PixelRect{0, 0, 11, 10}, "--crop");
-  rejects({10, 10}, PixelRect{-1, 0, 5, 5}, "--crop");
-  rejects({10, 10}, PixelRect{5, 0, 5, 5}, "--crop");
+  rejects({0, 5}, {}, "size");
+  rejects({5, -1}, {}, "size");
+  rejects({70000, 5}, {}, "size");
+  rejects({65536, 65536}, {}, "size");
+  rejects({10, 10}, PixelRect{0, 0, 11, 10}, "crop");
+  rejects({10, 10}, PixelRect{-1, 0, 5, 5}, "crop");
+  rejects({10, 10}, PixelRect{5, 0, 5, 5}, "crop");
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "abbe/image/exr/exr.h"
-#include "abbe/report/golden.h"
+#include "abbe/report/golden/list.h"
 #include "cli/program.h"
 
 namespace abbe {

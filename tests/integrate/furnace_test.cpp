@@ -26,10 +26,10 @@ RenderSettings settings_of(Mode mode) {
 }
 
 void expect_invisible(const Scene& scene, const RenderSettings& settings, double tolerance) {
-  const RenderResult result = test::render(scene, settings);
+  const test::Rendered result = test::render(scene, settings);
   Scene empty = scene;
   empty.instances.resize(1);
-  const RenderResult background = test::render(empty, settings);
+  const test::Rendered background = test::render(empty, settings);
   ASSERT_GT(test::pixel(background.image, 0, 0, "G"), 0.5f);
   for (std::size_t i = 0; i < result.image.pixels.size(); ++i) {
     const double ratio = static_cast<double>(result.image.pixels[i]) /
@@ -80,7 +80,7 @@ TEST_P(Furnace, rough_glass_loses_only_what_multiple_scattering_would_add) {
   test::add_sphere(scene, test::add(scene, rough), Vec3d(0.0), 1.0);
   RenderSettings settings = settings_of(GetParam());
   settings.samples_per_pixel = 64;
-  const RenderResult result = test::render(scene, settings);
+  const test::Rendered result = test::render(scene, settings);
   double mean = 0.0;
   for (int y = 2; y < 6; ++y) {
     for (int x = 2; x < 6; ++x) mean += static_cast<double>(test::pixel(result.image, x, y, "G"));
@@ -101,7 +101,7 @@ TEST(FurnaceTest, matte_sphere_under_ambient_light_has_albedo_times_ambient) {
   scene.ambient = Ambient{2.0, {"illuminant/D65", test::catalogue().illuminant("illuminant/D65")}};
   RenderSettings settings = test::small_settings();
   settings.samples_per_pixel = 16;
-  const RenderResult result = test::render(scene, settings);
+  const test::Rendered result = test::render(scene, settings);
   for (const char* channel : {"R", "G", "B"}) {
     // 16 samples of 16 wavelengths integrate D65 to 1e-4.
     EXPECT_NEAR(test::pixel(result.image, 4, 4, channel), 0.8f, 2e-4f);

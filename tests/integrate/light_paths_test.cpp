@@ -70,7 +70,7 @@ TEST(LightPaths, lanes_of_a_render_get_the_light_of_the_paths_one_by_one) {
     test::add_box(full, test::add(full, test::glass("glass/schott/N-SF11")), {0.5, 0.3, 0.6},
                   test::translation({0, 1.0, 0}) * test::rotation({0.3, 0.2, 1}, 25.0));
     const World world = test::make_world(full, settings);
-    const Image image = abbe::render(world, full.cameras.front(), settings).image;
+    const Image image = test::render(world, full.cameras.front(), settings).image;
     const std::vector<LightChain> chains = chains_to_light(world, 0, target, 0);
     for (int lane = 0; lane < 3; ++lane) {
       double expected = 0.0;

@@ -33,7 +33,7 @@ Scene floor_seen_from_above(const Vec3f& reflectance = Vec3f(1.0f)) {
   return scene;
 }
 
-float luminance(const RenderResult& result) {
+float luminance(const test::Rendered& result) {
   return 0.2126f * test::pixel(result.image, 4, 4, "R") +
          0.7152f * test::pixel(result.image, 4, 4, "G") +
          0.0722f * test::pixel(result.image, 4, 4, "B");
@@ -72,7 +72,7 @@ TEST(LightTest, lamp_made_of_lines_keeps_its_luminous_intensity_in_every_sample)
   scene.lights.front().spectrum =
       NamedSpectrum{"", Spectrum::lines({{588.995, 2.0}, {589.592, 1.0}})};
   RenderSettings settings = test::small_settings();
-  const RenderResult result = test::render(scene, settings);
+  const test::Rendered result = test::render(scene, settings);
   // A line has a lane of its own: exact in a single sample. Sodium light lies outside Rec.709.
   EXPECT_NEAR(luminance(result), 100.0 / 9.0 / kPi, 1e-3);
   EXPECT_GT(test::pixel(result.image, 4, 4, "R"), test::pixel(result.image, 4, 4, "G"));

@@ -76,7 +76,7 @@ Scene screen_behind_prism(Colour colour, int cells) {
 
 class SpreadMaterialTest : public testing::TestWithParam<Colour> {
  protected:
-  static RenderResult rendered(Colour colour, int cells, int cluster_lanes, Uplift uplift) {
+  static test::Rendered rendered(Colour colour, int cells, int cluster_lanes, Uplift uplift) {
     RenderSettings settings = test::small_settings();
     settings.size = {12, 12};
     settings.caustics = false;
@@ -88,7 +88,7 @@ class SpreadMaterialTest : public testing::TestWithParam<Colour> {
     return test::render(screen_behind_prism(colour, cells), settings);
   }
 
-  static void expect_alike(const RenderResult& a, const RenderResult& b, float tolerance) {
+  static void expect_alike(const test::Rendered& a, const test::Rendered& b, float tolerance) {
     float brightest = 0.0f;
     for (int y = 0; y < 12; ++y) {
       for (int x = 0; x < 12; ++x) {
@@ -107,8 +107,8 @@ class SpreadMaterialTest : public testing::TestWithParam<Colour> {
 
 TEST_P(SpreadMaterialTest, lanes_of_a_fan_see_the_colours_that_rays_of_one_wavelength_see) {
   for (const Uplift uplift : {Uplift::JakobHanika, Uplift::MallettYuksel}) {
-    const RenderResult fans = rendered(GetParam(), 1, 0, uplift);
-    const RenderResult rays = rendered(GetParam(), 1, 1, uplift);
+    const test::Rendered fans = rendered(GetParam(), 1, 0, uplift);
+    const test::Rendered rays = rendered(GetParam(), 1, 1, uplift);
     EXPECT_GT(fans.stats.spread_fans, 100u);
     EXPECT_EQ(rays.stats.spread_fans, 0u);
     // Sums in single precision, in another order.
@@ -118,8 +118,8 @@ TEST_P(SpreadMaterialTest, lanes_of_a_fan_see_the_colours_that_rays_of_one_wavel
 
 TEST_P(SpreadMaterialTest, colours_of_a_fine_mesh_are_those_of_a_coarse_one) {
   // 45 000 triangles: so many that their memory is fetched ahead of shading.
-  const RenderResult coarse = rendered(GetParam(), 1, 0, Uplift::JakobHanika);
-  const RenderResult fine = rendered(GetParam(), 150, 0, Uplift::JakobHanika);
+  const test::Rendered coarse = rendered(GetParam(), 1, 0, Uplift::JakobHanika);
+  const test::Rendered fine = rendered(GetParam(), 150, 0, Uplift::JakobHanika);
   // Places on a triangle come from its weights, which are rounded to single precision.
   expect_alike(coarse, fine, 1e-4f);
 }

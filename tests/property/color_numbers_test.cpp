@@ -42,7 +42,7 @@ Image rendered(const Scene& scene, const RenderSettings& settings,
       scene,
       {.mode = settings.mode, .wavelengths = settings.wavelengths, .development = development},
       test::catalogue().observer(), test::catalogue().illuminant("illuminant/D65"), notes);
-  return render(world, scene.cameras.front(), settings).image;
+  return test::render(world, scene.cameras.front(), settings).image;
 }
 
 void expect_color(const Image& image, const Vec3f& expected, float tolerance) {

@@ -106,9 +106,9 @@ TEST(NewtonScene, no_pixel_exceeds_the_exact_maximum_and_two_seeds_agree) {
   const Newton n = newton("glass/schott/N-SF11");
   RenderSettings settings = settings_of_lines(n, 16, {kLine_d_nm});
   const World world = test::make_world(n.scene, settings);
-  const Image first = render(world, n.scene.cameras.front(), settings).image;
+  const Image first = test::render(world, n.scene.cameras.front(), settings).image;
   settings.seed = 5;
-  const Image second = render(world, n.scene.cameras.front(), settings).image;
+  const Image second = test::render(world, n.scene.cameras.front(), settings).image;
   const std::string channel = spectral_channel_name(kLine_d_nm);
   Newton bare = n;
   bare.scene.instances.erase(bare.scene.instances.begin());

@@ -93,9 +93,9 @@ TEST(PrismScene, two_seeds_at_four_samples_differ_by_less_than_one_delta_e) {
   // Across both faces of the prism.
   settings.crop = PixelRect{345, 200, 616, 212};
   const World world = test::make_world(scene, settings);
-  const Image first = render(world, scene.cameras.front(), settings).image;
+  const Image first = test::render(world, scene.cameras.front(), settings).image;
   settings.seed = 7;
-  const Image second = render(world, scene.cameras.front(), settings).image;
+  const Image second = test::render(world, scene.cameras.front(), settings).image;
   EXPECT_LT(test::mean_delta_e2000(first, second), 1.0);
 }
 

@@ -70,7 +70,7 @@ TEST(WhiteTest, rgb_modes_keep_white_to_rounding) {
 TEST(WhiteTest, fluorescent_lamp_has_no_colour_error_beyond_0_2) {
   RenderSettings settings = test::small_settings();
   settings.samples_per_pixel = 16;
-  const RenderResult result = test::render(glowing_sphere("illuminant/FL11"), settings);
+  const test::Rendered result = test::render(glowing_sphere("illuminant/FL11"), settings);
   const Observer observer = test::catalogue().observer();
   const Spectrum lamp = test::catalogue().illuminant("illuminant/FL11");
   const Vec3d white = xyz_of(lamp, observer) / xyz_of(lamp, observer).y;
@@ -134,8 +134,30 @@ TEST(RenderTest, cancelled_render_says_that_it_is_incomplete) {
   settings.size = {200, 200};
   const Scene scene = glass_over_floor();
   const World world = test::make_world(scene, settings);
-  CancelFlag cancel{true};
-  EXPECT_FALSE(render(world, scene.cameras.front(), settings, {}, &cancel).complete);
+  Film film(film_options(settings));
+  const CancelFlag cancel{true};
+  EXPECT_FALSE(render(world, scene.cameras.front(), settings, film, {}, &cancel).complete);
+  EXPECT_EQ(film.sample_count({0, 0}), 0u);
+}
+
+TEST(RenderTest, film_that_is_kept_is_added_to) {
+  RenderSettings settings = test::small_settings();
+  settings.samples_per_pixel = 4;
+  settings.bands = parse_bands("400:700:100");
+  const Scene scene = glass_over_floor();
+  const World world = test::make_world(scene, settings);
+  Film film(film_options(settings));
+  const auto rgb_of = [&] {
+    const Image image = film.develop({.xyz_to_rec709 = world.lanes.film_to_rec709()});
+    return std::array{image.at(5, 5, 0), image.at(5, 5, 1), image.at(5, 5, 2)};
+  };
+  EXPECT_TRUE(render(world, scene.cameras.front(), settings, film).complete);
+  const auto once = rgb_of();
+  EXPECT_GT(once[1], 0.0f);
+  EXPECT_EQ(film.sample_count({5, 5}), 4u);
+  render(world, scene.cameras.front(), settings, film);
+  EXPECT_EQ(film.sample_count({5, 5}), 8u);
+  EXPECT_EQ(rgb_of(), once);  // Sums in double precision: twice the same is no other mean.
 }
 
 TEST(RenderTest, bands_hold_the_mean_spectral_radiance_of_the_lamp) {
@@ -202,7 +224,7 @@ TEST(RenderTest, cost_of_a_pixel_is_the_work_of_its_rays_traced_alone) {
   RenderSettings settings = test::small_settings();
   settings.aovs = {"cost"};
   const World world = test::make_world(scene, settings);
-  const Image image = render(world, scene.cameras.front(), settings).image;
+  const Image image = test::render(world, scene.cameras.front(), settings).image;
   for (const int x : {0, 4}) {
     const CameraSample sample = camera_sample(world, scene.cameras.front(), settings, {x, 4}, 0);
     QueryCost cost;

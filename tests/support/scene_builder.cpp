@@ -193,9 +193,15 @@ World make_world(const Scene& scene, const RenderSettings& settings) {
                           catalogue().illuminant("illuminant/D65"), notes);
 }
 
-RenderResult render(const Scene& scene, const RenderSettings& settings) {
-  const World world = make_world(scene, settings);
-  return abbe::render(world, scene.cameras.front(), settings);
+Rendered render(const World& world, const Camera& camera, const RenderSettings& settings) {
+  Film film(film_options(settings));
+  Rendered rendered{abbe::render(world, camera, settings, film), {}};
+  rendered.image = film.develop({.xyz_to_rec709 = world.lanes.film_to_rec709()});
+  return rendered;
+}
+
+Rendered render(const Scene& scene, const RenderSettings& settings) {
+  return render(make_world(scene, settings), scene.cameras.front(), settings);
 }
 
 float pixel(const Image& image, int x, int y, const std::string& channel) {

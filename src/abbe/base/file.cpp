@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <system_error>
 
@@ -142,6 +143,18 @@ void write_atomically(const fs::path& target, const std::function<void(const fs:
     throw_output_error(target.string(), reason(errno), "a writable folder");
   }
   temporary.file.clear();
+}
+
+void write_text(const fs::path& target, const std::string& text) {
+  write_atomically(target, [&](const fs::path& temporary) {
+    std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
+    stream << text;
+    stream.close();
+    if (!stream) {
+      throw_output_error(target.string(), "a file that could not be written to its end",
+                         "a place with room for it");
+    }
+  });
 }
 
 void check_writable(const fs::path& target) {

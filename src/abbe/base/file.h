@@ -21,6 +21,9 @@ std::vector<std::uint8_t> read_file(const std::filesystem::path& file, const std
 void write_atomically(const std::filesystem::path& target,
                       const std::function<void(const std::filesystem::path& temporary)>& write);
 
+/// A whole text file, or none. Errors: output Error.
+void write_text(const std::filesystem::path& target, const std::string& text);
+
 /// Checks, before minutes of work, that write_atomically could succeed. Errors: output Error.
 void check_writable(const std::filesystem::path& target);
 

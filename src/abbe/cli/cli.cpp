@@ -9,8 +9,9 @@
 
 #include "abbe/base/error.h"
 #include "abbe/base/isa.h"
-#include "abbe/cli/commands.h"
-#include "abbe/cli/console.h"
+#include "abbe/cli/commands/commands.h"
+#include "abbe/cli/options/fields.h"
+#include "abbe/cli/print/console.h"
 
 namespace abbe {
 namespace {
@@ -104,7 +105,7 @@ int run_program(int argc, const char* const* argv) {
     apply_isa_from_environment();
     code = parse_and_run(argc, argv);
   } catch (const Error& error) {
-    print_error(error.what());
+    print_error(with_options(error).what());
     code = exit_code_of(error.detail().kind);
   } catch (const std::bad_alloc&) {
     print_error("out of memory");

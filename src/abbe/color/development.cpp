@@ -46,7 +46,7 @@ Adaptation adaptation_from_name(const std::string& name) {
   if (name == "cat16") return Adaptation::Cat16;
   if (name == "bradford") return Adaptation::Bradford;
   if (name == "none") return Adaptation::None;
-  throw_usage_error("--adaptation", "\"" + name + "\"", "an adaptation",
+  throw_usage_error("adaptation", "\"" + name + "\"", "an adaptation",
                     {"cat16", "bradford", "none"});
 }
 

@@ -75,7 +75,7 @@ void check_space(const LoadedConfig& loaded, const std::string& name) {
   if (config.getColorSpace(name.c_str())) return;
   constexpr auto kScene = OCIO::SEARCH_REFERENCE_SPACE_SCENE;
   constexpr auto kActive = OCIO::COLORSPACE_ACTIVE;
-  throw_usage_error("--colorspace", "'" + name + "'", "a colour space of " + loaded.where,
+  throw_usage_error("color_space", "'" + name + "'", "a colour space of " + loaded.where,
                     names_of(config.getNumColorSpaces(kScene, kActive), [&](int i) {
                       return config.getColorSpaceNameByIndex(kScene, kActive, i);
                     }));
@@ -87,12 +87,12 @@ void check_display_and_view(const LoadedConfig& loaded, const std::string& displ
   const auto displays =
       names_of(config.getNumDisplays(), [&](int i) { return config.getDisplay(i); });
   if (std::find(displays.begin(), displays.end(), display) == displays.end()) {
-    throw_usage_error("--display", "'" + display + "'", "a display of " + loaded.where, displays);
+    throw_usage_error("display", "'" + display + "'", "a display of " + loaded.where, displays);
   }
   const auto views = names_of(config.getNumViews(display.c_str()),
                               [&](int i) { return config.getView(display.c_str(), i); });
   if (std::find(views.begin(), views.end(), view) == views.end()) {
-    throw_usage_error("--view", "'" + view + "'", "a view of " + display + " in " + loaded.where,
+    throw_usage_error("view", "'" + view + "'", "a view of " + display + " in " + loaded.where,
                       views);
   }
 }

@@ -15,7 +15,7 @@ constexpr double kSmallestStep_nm = 0.01;
 constexpr int kMostBands = 1000;
 
 [[noreturn]] void reject(const std::string& text, const std::string& expected) {
-  throw_usage_error("--bands", "'" + text + "'", expected);
+  throw_usage_error("bands", "'" + text + "'", expected);
 }
 
 std::vector<double> numbers_between_colons(const std::string& text) {

@@ -27,17 +27,17 @@ std::string text_of(const PixelRect& rect) {
 PixelRect checked_crop(const FilmOptions& options) {
   const Vec2i& size = options.full_size;
   if (size.x < 1 || size.y < 1 || size.x > kLongestSide_px || size.y > kLongestSide_px) {
-    throw_usage_error("--size", text_of(size), "1x1 to 65536x65536 pixels");
+    throw_usage_error("size", text_of(size), "1x1 to 65536x65536 pixels");
   }
   const PixelRect crop = options.crop.value_or(PixelRect{0, 0, size.x, size.y});
   if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > size.x || crop.y1 > size.y || crop.x0 >= crop.x1 ||
       crop.y0 >= crop.y1) {
-    throw_usage_error("--crop", text_of(crop),
+    throw_usage_error("crop", text_of(crop),
                       "X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1 inside " + text_of(size));
   }
   if (std::int64_t{crop.width()} * crop.height() > kMostPixels) {
-    throw_usage_error("--size", text_of(Vec2i{crop.width(), crop.height()}),
-                      "at most 2^28 pixels; --crop renders a part");
+    throw_usage_error("size", text_of(Vec2i{crop.width(), crop.height()}),
+                      "at most 2^28 pixels; `crop` renders a part");
   }
   return crop;
 }

@@ -40,8 +40,6 @@ class SampleSource {
         strata_(static_cast<float>(
             std::bit_ceil(static_cast<std::uint32_t>(settings.samples_per_pixel)))) {}
 
-  const Filter& filter() const { return filter_; }
-
   // Every pixel takes the same wavelengths, in the middle of their strata: a quadrature rule has no
   // noise, and neighbours that see the same light get the same colour.
   int set_of(std::uint32_t index) const {
@@ -151,11 +149,11 @@ struct Worker {
 
 class Renderer {
  public:
-  Renderer(const World& world, const Camera& camera, const RenderSettings& settings)
+  Renderer(const World& world, const Camera& camera, const RenderSettings& settings, Film& film)
       : world_(world),
         settings_(settings),
         source_(world, camera, settings),
-        film_(film_options(settings, source_.filter())),
+        film_(film),
         integrator_(integrator_settings(settings)),
         eye_(Vec3d(camera.to_world[3])),
         forward_(-glm::normalize(Vec3d(camera.to_world[2]))) {
@@ -194,31 +192,14 @@ class Renderer {
     });
     RenderResult result;
     for (const Worker& worker : workers) result.stats.add(worker.stats);
-    result.image = film_.develop({.xyz_to_rec709 = world_.lanes.film_to_rec709()});
     result.complete = complete.load();
     result.queue_capacity = queue_capacity(integrator_, kWaveSamples, world_.lanes.lane_count());
-    result.dropped_samples = film_.dropped_sample_count();
     result.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return result;
   }
 
  private:
-  static FilmOptions film_options(const RenderSettings& settings, const Filter& filter) {
-    FilmOptions options;
-    options.full_size = settings.size;
-    options.crop = settings.crop;
-    options.bands = settings.bands;
-    options.lines_nm = settings.wavelengths.exact_nm;
-    for (const std::string& group : settings.aovs) {
-      for (const std::string& name : aov_channel_names(group, settings)) {
-        options.aovs.push_back(aov_channel(name));
-      }
-    }
-    options.weight_magnitude = filter.weight_magnitude();
-    return options;
-  }
-
   // Tiles lie on a grid of the whole image, so that a crop cuts them but does not move them.
   static std::vector<PixelRect> tiles_of(const PixelRect& crop) {
     std::vector<PixelRect> tiles;
@@ -323,7 +304,7 @@ class Renderer {
   const World& world_;
   const RenderSettings& settings_;
   SampleSource source_;
-  Film film_;
+  Film& film_;
   IntegratorSettings integrator_;
   Vec3f eye_, forward_;
   std::optional<BandWeights> band_weights_;
@@ -357,9 +338,23 @@ IntegratorSettings integrator_settings(const RenderSettings& settings) {
           .kernel = kernel_of(Filter::named(settings.filter))};
 }
 
+FilmOptions film_options(const RenderSettings& settings) {
+  FilmOptions options{.full_size = settings.size,
+                      .crop = settings.crop,
+                      .bands = settings.bands,
+                      .lines_nm = settings.wavelengths.exact_nm,
+                      .weight_magnitude = Filter::named(settings.filter).weight_magnitude()};
+  for (const std::string& group : settings.aovs) {
+    for (const std::string& name : aov_channel_names(group, settings)) {
+      options.aovs.push_back(aov_channel(name));
+    }
+  }
+  return options;
+}
+
 RenderResult render(const World& world, const Camera& camera, const RenderSettings& settings,
-                    const ProgressCallback& progress, const CancelFlag* cancel) {
-  return Renderer(world, camera, settings).run(progress, cancel);
+                    Film& film, const ProgressCallback& progress, const CancelFlag* cancel) {
+  return Renderer(world, camera, settings, film).run(progress, cancel);
 }
 
 CameraSample camera_sample(const World& world, const Camera& camera, const RenderSettings& settings,

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "abbe/base/parallel.h"
-#include "abbe/image/image.h"
+#include "abbe/film/film.h"
 #include "abbe/integrate/integrator.h"
 #include "abbe/render/settings.h"
 #include "abbe/scene/scene.h"
@@ -17,20 +17,24 @@ namespace abbe {
 using ProgressCallback = std::function<void(double fraction_done)>;
 
 struct RenderResult {
-  Image image;
   IntegratorStats stats;
   double seconds = 0.0;
-  std::size_t queue_capacity = 0;   ///< Most fans that could have waited on a thread.
-  std::size_t dropped_samples = 0;  ///< Samples that were not finite.
-  bool complete = true;             ///< False when cancelled: some pixels are missing.
+  std::size_t queue_capacity = 0;  ///< Most fans that could have waited on a thread.
+  bool complete = true;            ///< False when cancelled: some pixels are missing.
 };
 
-/// Renders a world through a camera. The result is the same, bit for bit, for any number of
-/// threads; a crop has the same pixels as the whole image. The image holds R, G, B (linear
-/// Rec.709), spectral channels and AOVs; attributes are the caller's. Domain:
-/// check_settings(settings) passes; `world` was made for the same mode and wavelengths.
+/// The film that render() adds to: the size, crop, channels and filter of the settings.
+FilmOptions film_options(const RenderSettings& settings);
+
+/// Renders a world through a camera: adds the camera samples of every pixel to a film, which is the
+/// caller's to develop, to keep and to add to. What it gathers is the same, bit for bit, for any
+/// number of threads; a crop has the same pixels as the whole image. A cancelled render leaves it
+/// with what came until then. `world.lanes.film_to_rec709()` develops it.
+/// Domain: check_settings(settings) passes; `world` was made for the same mode and wavelengths, and
+///         `film` by film_options of the same settings.
 RenderResult render(const World& world, const Camera& camera, const RenderSettings& settings,
-                    const ProgressCallback& progress = {}, const CancelFlag* cancel = nullptr);
+                    Film& film, const ProgressCallback& progress = {},
+                    const CancelFlag* cancel = nullptr);
 
 /// How render() integrates the light of camera samples.
 IntegratorSettings integrator_settings(const RenderSettings& settings);

@@ -12,58 +12,62 @@
 namespace abbe {
 namespace {
 
-void check_range(const char* option, double value, double low, double high) {
+void check_range(const char* field, double value, double low, double high) {
   // Written so that not-a-number fails.
   if (!(value >= low && value <= high)) {
-    throw_usage_error(option, fmt::format("{:.10g}", value),
+    throw_usage_error(field, fmt::format("{:.10g}", value),
                       fmt::format("a number from {:.10g} to {:.10g}", low, high));
   }
 }
 
 void check_wavelengths(const RenderSettings& settings) {
   const WavelengthOptions& options = settings.wavelengths;
-  check_range("--wavelengths", options.count, 1, 64);
+  check_range("wavelengths.count", options.count, 1, 64);
   if (options.range_min_nm < kRangeMin_nm || options.range_max_nm > kRangeMax_nm ||
       !(options.range_min_nm < options.range_max_nm)) {
-    throw_usage_error("--range",
+    throw_usage_error("wavelengths.range_min_nm",
                       fmt::format("{:g}:{:g}", options.range_min_nm, options.range_max_nm),
                       fmt::format("A:B with {:g} <= A < B <= {:g}", kRangeMin_nm, kRangeMax_nm));
   }
   if (options.exact_nm.size() > 64) {
-    throw_usage_error("--lines", fmt::format("{} wavelengths", options.exact_nm.size()), "1 to 64");
+    throw_usage_error("wavelengths.exact_nm",
+                      fmt::format("{} wavelengths", options.exact_nm.size()), "1 to 64");
   }
   for (std::size_t i = 0; i < options.exact_nm.size(); ++i) {
-    check_range("--lines", options.exact_nm[i], kRangeMin_nm, kRangeMax_nm);
+    check_range("wavelengths.exact_nm", options.exact_nm[i], kRangeMin_nm, kRangeMax_nm);
     if (i > 0 && !(options.exact_nm[i] > options.exact_nm[i - 1])) {
       throw_usage_error(
-          "--lines", fmt::format("{:g} after {:g}", options.exact_nm[i], options.exact_nm[i - 1]),
+          "wavelengths.exact_nm",
+          fmt::format("{:g} after {:g}", options.exact_nm[i], options.exact_nm[i - 1]),
           "wavelengths in rising order, each once");
     }
   }
   if (!options.exact_nm.empty() && settings.bands) {
-    throw_usage_error("--lines", "--bands beside it", "one of the two");
+    throw_usage_error("wavelengths.exact_nm", "`bands` beside it", "one of the two");
   }
   if (settings.mode == Mode::Spectral) {
     // The albedo of lamps in three channels has no spectrum of its own.
     const bool has_albedo = std::find(settings.aovs.begin(), settings.aovs.end(),
                                       "spectralAlbedo") != settings.aovs.end();
     if (settings.frozen.has_channels() && has_albedo) {
-      throw_usage_error("--freeze", "--aov spectralAlbedo beside it", "one of the two");
+      throw_usage_error("frozen", "`aovs` with spectralAlbedo beside it", "one of the two");
     }
     return;
   }
-  const std::string mode = "--mode " + mode_name(settings.mode);
+  const std::string mode = "`mode` " + mode_name(settings.mode);
   if (!settings.frozen.empty()) {
-    throw_usage_error("--freeze", mode, "--mode spectral: an RGB mode has all causes frozen");
+    throw_usage_error("frozen", mode, "`mode` spectral: an RGB mode has all causes frozen");
   }
   if (!options.exact_nm.empty()) {
-    throw_usage_error("--lines", mode, "--mode spectral: an RGB mode has no wavelengths");
+    throw_usage_error("wavelengths.exact_nm", mode,
+                      "`mode` spectral: an RGB mode has no wavelengths");
   }
   if (settings.bands) {
-    throw_usage_error("--bands", mode, "--mode spectral: an RGB mode has no wavelengths");
+    throw_usage_error("bands", mode, "`mode` spectral: an RGB mode has no wavelengths");
   }
   if (options.range_min_nm != kRangeMin_nm || options.range_max_nm != kRangeMax_nm) {
-    throw_usage_error("--range", mode, "--mode spectral: an RGB mode has no wavelengths");
+    throw_usage_error("wavelengths.range_min_nm", mode,
+                      "`mode` spectral: an RGB mode has no wavelengths");
   }
 }
 
@@ -86,23 +90,23 @@ WorldOptions world_options(const RenderSettings& settings) {
 }
 
 void check_settings(const RenderSettings& settings) {
-  check_range("--size", settings.size.x, 1, 65536);
-  check_range("--size", settings.size.y, 1, 65536);
-  check_range("--spp", settings.samples_per_pixel, 1, 1 << 20);
-  check_range("--depth", settings.max_depth, 0, 1000);
-  check_range("--cutoff", settings.cutoff, 0.0, 1.0);
-  check_range("--chain", settings.inner_reflections, 0, 8);
-  check_range("--threads", settings.threads, 0, 4096);
+  check_range("size", settings.size.x, 1, 65536);
+  check_range("size", settings.size.y, 1, 65536);
+  check_range("samples_per_pixel", settings.samples_per_pixel, 1, 1 << 20);
+  check_range("max_depth", settings.max_depth, 0, 1000);
+  check_range("cutoff", settings.cutoff, 0.0, 1.0);
+  check_range("inner_reflections", settings.inner_reflections, 0, 8);
+  check_range("threads", settings.threads, 0, 4096);
   check_wavelengths(settings);
   (void)Filter::named(settings.filter);
   const std::vector<std::string> names = aov_names();
   for (const std::string& aov : settings.aovs) {
     if (std::find(names.begin(), names.end(), aov) == names.end()) {
-      throw_usage_error("--aov", aov, "names of extra channels", names);
+      throw_usage_error("aovs", aov, "names of extra channels", names);
     }
     if (aov == "spectralAlbedo" && !settings.bands && settings.wavelengths.exact_nm.empty()) {
-      throw_usage_error("--aov", aov + " without spectral channels",
-                        "--bands or --lines, which say of what wavelengths");
+      throw_usage_error("aovs", aov + " without spectral channels",
+                        "`bands` or `wavelengths.exact_nm`, which say of what wavelengths");
     }
   }
   if (settings.crop) {
@@ -110,7 +114,7 @@ void check_settings(const RenderSettings& settings) {
     if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > settings.size.x || crop.y1 > settings.size.y ||
         crop.x0 >= crop.x1 || crop.y0 >= crop.y1) {
       throw_usage_error(
-          "--crop", fmt::format("{},{},{},{}", crop.x0, crop.y0, crop.x1, crop.y1),
+          "crop", fmt::format("{},{},{},{}", crop.x0, crop.y0, crop.x1, crop.y1),
           fmt::format("X0,Y0,X1,Y1, half-open, inside {}x{}", settings.size.x, settings.size.y));
     }
   }

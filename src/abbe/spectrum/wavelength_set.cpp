@@ -24,26 +24,30 @@ int padded(int lanes) {
 void check(const WavelengthOptions& options) {
   if (!options.exact_nm.empty()) {
     if (options.exact_nm.size() > static_cast<std::size_t>(kMaxLanes)) {
-      throw_usage_error("--lines", fmt::format("{} wavelengths", options.exact_nm.size()),
+      throw_usage_error("wavelengths.exact_nm",
+                        fmt::format("{} wavelengths", options.exact_nm.size()),
                         fmt::format("at most {}", kMaxLanes));
     }
     for (std::size_t i = 0; i < options.exact_nm.size(); ++i) {
       const double nm = options.exact_nm[i];
       if (!(nm >= kRangeMin_nm && nm <= kRangeMax_nm)) {
-        throw_usage_error("--lines", fmt::format("{} nm", nm), "wavelengths of 360 to 830 nm");
+        throw_usage_error("wavelengths.exact_nm", fmt::format("{} nm", nm),
+                          "wavelengths of 360 to 830 nm");
       }
       if (std::count(options.exact_nm.begin(), options.exact_nm.end(), nm) > 1) {
-        throw_usage_error("--lines", fmt::format("{} nm twice", nm), "different wavelengths");
+        throw_usage_error("wavelengths.exact_nm", fmt::format("{} nm twice", nm),
+                          "different wavelengths");
       }
     }
     return;
   }
   if (options.count < 1 || options.count > 64) {
-    throw_usage_error("--wavelengths", fmt::format("{}", options.count), "1 to 64");
+    throw_usage_error("wavelengths.count", fmt::format("{}", options.count), "1 to 64");
   }
   if (!(options.range_min_nm >= kRangeMin_nm && options.range_max_nm <= kRangeMax_nm &&
         options.range_min_nm < options.range_max_nm)) {
-    throw_usage_error("--range", fmt::format("{}:{}", options.range_min_nm, options.range_max_nm),
+    throw_usage_error("wavelengths.range_min_nm",
+                      fmt::format("{}:{}", options.range_min_nm, options.range_max_nm),
                       "a rising range within 360:830");
   }
 }

@@ -132,7 +132,7 @@ CauseSet parse_causes(const std::vector<std::string>& names) {
     if (found == kCauses.end()) {
       std::vector<std::string> choices = cause_names();
       choices.emplace_back("all");
-      throw_usage_error("--freeze", "\"" + name + "\"", "causes", choices);
+      throw_usage_error("frozen", "\"" + name + "\"", "causes", choices);
     }
     causes.insert(*found);
   }

@@ -40,7 +40,7 @@ Mode mode_from_name(const std::string& name) {
   if (name == "spectral") return Mode::Spectral;
   if (name == "rgb") return Mode::Rgb;
   if (name == "rgb3") return Mode::Rgb3;
-  throw_usage_error("--mode", name, "a mode", {"spectral", "rgb", "rgb3"});
+  throw_usage_error("mode", name, "a mode", {"spectral", "rgb", "rgb3"});
 }
 
 std::string mode_name(Mode mode) {
@@ -85,7 +85,7 @@ LaneModel::LaneModel(Mode mode, const WavelengthOptions& options, const Observer
     copies_ = 3;
     basis_ = channel_basis(film_observer_, d65_, development_);
     if (!basis_) {
-      throw_usage_error("--freeze", "the observer " + film_observer_.id,
+      throw_usage_error("frozen", "the observer " + film_observer_.id,
                         "one that sees Rec.709's primaries as parts of white, as cie1931");
     }
     if (frozen_.contains(Cause::Lamps)) lamps_ = {d65_};
@@ -97,7 +97,7 @@ LaneModel::LaneModel(Mode mode, const WavelengthOptions& options, const Observer
   if (!basis_) return;
   if (lane_count_ > kMaxLanes) {
     throw_usage_error(
-        "--freeze", fmt::format("{} wavelengths, lines of lamps included", lane_count_ / copies_),
+        "frozen", fmt::format("{} wavelengths, lines of lamps included", lane_count_ / copies_),
         fmt::format("at most {}: each has a lane for every channel", kMaxLanes / copies_));
   }
   shares_.resize(static_cast<std::size_t>(set_count_) * lane_stride_, 0.0f);

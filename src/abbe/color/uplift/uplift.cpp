@@ -162,7 +162,7 @@ Spectrum mallett_yuksel(const Vec3d& rgb_rec709) {
 Uplift uplift_from_name(const std::string& name) {
   if (name == "jakob-hanika") return Uplift::JakobHanika;
   if (name == "mallett-yuksel") return Uplift::MallettYuksel;
-  throw_usage_error("--uplift", "\"" + name + "\"", "a way from RGB to spectra",
+  throw_usage_error("uplift", "\"" + name + "\"", "a way from RGB to spectra",
                     {"jakob-hanika", "mallett-yuksel"});
 }
 

@@ -244,14 +244,14 @@ void check_image(const std::filesystem::path& file, const Image& image) {
 void check_options(const ExrOptions& options) {
   const std::vector<std::string> names = exr_compressions();
   if (std::find(names.begin(), names.end(), options.compression) == names.end()) {
-    throw_usage_error("--compression", "\"" + options.compression + "\"",
-                      "a compression of OpenEXR", names);
+    throw_usage_error("compression", "\"" + options.compression + "\"", "a compression of OpenEXR",
+                      names);
   }
   constexpr int kSmallestTile_px = 8;
   constexpr int kLargestTile_px = 4096;
   if (options.tile_size != 0 &&
       (options.tile_size < kSmallestTile_px || options.tile_size > kLargestTile_px)) {
-    throw_usage_error("--tiles", std::to_string(options.tile_size),
+    throw_usage_error("tile_size", std::to_string(options.tile_size),
                       "the side of a tile, 8 to 4096 pixels");
   }
 }

@@ -149,7 +149,7 @@ Observer observer_named(const std::string& name, const Catalogue& catalogue,
     choices.push_back(id);
   }
   choices.emplace_back("FILE.csv");
-  throw_usage_error("--observer", "\"" + name + "\"", "an observer", choices);
+  throw_usage_error("observer", "\"" + name + "\"", "an observer", choices);
 }
 
 }  // namespace abbe

@@ -1,0 +1,21 @@
+/// Numbers and words out of texts that people type and files hold.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace abbe {
+
+/// One number, all of the text; finite, independent of the locale.
+std::optional<double> number_of(std::string_view text);
+std::optional<int> whole_number_of(std::string_view text);
+
+/// The parts between separators, one more than there are of them.
+std::vector<std::string> split(const std::string& text, char separator);
+
+/// Text with blanks for what a terminal would obey: names out of a file may hold anything.
+std::string printable(std::string text);
+
+}  // namespace abbe

@@ -1,0 +1,176 @@
+/// `abbe render`: a scene in, images out.
+
+#include "abbe/cli/commands/render.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "abbe/base/error.h"
+#include "abbe/base/file.h"
+#include "abbe/cli/commands/commands.h"
+#include "abbe/cli/commands/interrupt.h"
+#include "abbe/cli/options/outputs.h"
+#include "abbe/cli/options/typed.h"
+#include "abbe/cli/print/console.h"
+#include "abbe/cli/print/progress.h"
+#include "abbe/cli/print/stats.h"
+#include "abbe/image/raster/raster.h"
+#include "abbe/session/picture.h"
+
+namespace abbe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Display images first: they are made of the rendered space, which the EXR may leave.
+void write_images(const RenderArguments& arguments, Image image) {
+  std::vector<std::filesystem::path> rasters, exrs;
+  for (const std::filesystem::path file : arguments.outputs) {
+    (output_kind(file) == OutputKind::Exr ? exrs : rasters).push_back(file);
+  }
+  const DisplayOptions& display = arguments.display.options;
+  if (!rasters.empty()) {
+    const Image shown = to_display(image, display);
+    for (const auto& file : rasters) write_raster(file, shown, arguments.display.raster);
+  }
+  if (!exrs.empty()) {
+    write_exrs_in(arguments.color_space, exrs, std::move(image), arguments.exr, display);
+  }
+}
+
+std::string summary(const RenderArguments& arguments, const RenderResult& result,
+                    const RenderTimes& times) {
+  std::string text = fmt::format("{} in {:.1f} s, {:.3g} million rays/s",
+                                 result.complete ? "rendered" : "interrupted", times.total_seconds,
+                                 rays_per_second(result.stats, times.render_seconds) * 1e-6);
+  const char* separator = ": ";
+  for (const std::string& file : arguments.outputs) {
+    text += separator + file;
+    separator = ", ";
+  }
+  return text;
+}
+
+}  // namespace
+
+void check_render_arguments(RenderArguments& arguments) {
+  RenderSettings& settings = arguments.scene.settings;
+  if (!arguments.bands.empty()) settings.bands = parse_bands(arguments.bands);
+  if (!arguments.crop.empty()) settings.crop = parse_crop(arguments.crop);
+  if (!arguments.aovs.empty()) settings.aovs = parse_names(arguments.aovs);
+  if (!arguments.freeze.empty()) settings.frozen = parse_causes(parse_names(arguments.freeze));
+  resolve_settings(arguments.scene);
+  resolve_display(arguments.display);
+  check_exr_options(arguments.exr);
+  check_outputs({arguments.outputs.begin(), arguments.outputs.end()});
+  if (!arguments.stats_file.empty()) check_writable(arguments.stats_file);
+  const bool has_raster =
+      std::any_of(arguments.outputs.begin(), arguments.outputs.end(),
+                  [](const auto& file) { return output_kind(file) == OutputKind::Raster; });
+  if (has_raster) check_display(arguments.display.options);
+  if (arguments.color_space != kRenderSpace) {
+    check_color_space(arguments.color_space, arguments.display.options);
+  }
+}
+
+ExitCode run_render(RenderArguments& arguments) {
+  const Clock::time_point start = Clock::now();
+  check_render_arguments(arguments);
+  const Console console(arguments.quiet);
+  const RenderSettings& settings = arguments.scene.settings;
+  const ThreadLimit threads(settings.threads);
+  RenderTimes times;
+
+  Notes notes;
+  const Standards standards = read_standards();
+  // What is wrong is said before minutes of loading.
+  if (arguments.development.white != "scene") {
+    (void)development_options(arguments.development, standards, nullptr);
+  }
+  const PreparedScene prepared = prepare_scene(arguments.scene.choice, standards.catalogue, notes);
+  settle_size(arguments.scene, prepared.chosen_camera());
+  times.load_seconds = seconds_since(start);
+
+  const DevelopmentOptions development =
+      development_options(arguments.development, standards, &prepared);
+  const World world = make_world(prepared, settings, standards, notes, development);
+  times.build_seconds = world.build_seconds;
+
+  const InterruptGuard interrupt;
+  console.show(notes);
+  ProgressLine progress(console.is_live());
+  Film film(film_options(settings));
+  const RenderResult result = render(
+      world, prepared.chosen_camera(), settings, film,
+      [&progress](double fraction_done) { progress.update(fraction_done); }, &interrupt.flag());
+  progress.wipe();
+  times.render_seconds = result.seconds;
+  if (film.dropped_sample_count() > 0) {
+    console.say(fmt::format("warning: {} camera samples were not finite and were left out",
+                            film.dropped_sample_count()));
+  }
+
+  const Clock::time_point write_start = Clock::now();
+  write_images(arguments, developed_picture(film, world, prepared,
+                                            provenance(prepared, settings, development, standards),
+                                            result.complete));
+  times.write_seconds = seconds_since(write_start);
+  times.total_seconds = seconds_since(start);
+  if (!arguments.stats_file.empty()) {
+    const auto threads_used = static_cast<int>(oneapi::tbb::global_control::active_value(
+        oneapi::tbb::global_control::max_allowed_parallelism));
+    write_text(arguments.stats_file,
+               stats_json(world, film, result, times, threads_used).dump(2) + "\n");
+  }
+  console.say(summary(arguments, result, times));
+  return result.complete ? ExitCode::Done : ExitCode::Interrupted;
+}
+
+void add_render_options(CLI::App& command, RenderArguments& arguments) {
+  RenderSettings& settings = arguments.scene.settings;
+  add_number(command, "--spp", settings.samples_per_pixel, "N",
+             fmt::format("camera samples per pixel (default: {})", settings.samples_per_pixel));
+  add_shown(command, "--bands", arguments.bands, "A:B:STEP",
+            "spectral channels beside RGB: bands [A + i STEP, A + (i+1) STEP), in nm");
+  add_shown(command, "--crop", arguments.crop, "X0,Y0,X1,Y1",
+            "render only these pixels, half-open");
+  add_shown(command, "--aov", arguments.aovs, "LIST",
+            fmt::format("extra channels: {}", fmt::join(aov_names(), ", ")));
+  add_shown(command, "--freeze", arguments.freeze, "LIST",
+            fmt::format("causes of spectral effects to hold as the mode rgb has them: {}, or all",
+                        fmt::join(cause_names(), ", ")));
+  add_number(command, "--threads", settings.threads, "N", "threads to use (default: all cores)");
+  add_shown(command, "--colorspace", arguments.color_space, "NAME",
+            fmt::format("OCIO colour space of the EXR's RGB (default: {})", kRenderSpace));
+  add_development_options(command, arguments.development);
+  add_exr_options(command, arguments.exr);
+  add_display_options(command, arguments.display);
+  command.add_flag("--quiet", arguments.quiet, "say nothing but errors");
+}
+
+void add_render_command(CLI::App& program, ExitCode& code) {
+  CLI::App& command = *program.add_subcommand("render", "Render a scene to images");
+  const auto arguments = std::make_shared<RenderArguments>();
+  add_scene_options(command, arguments->scene);
+  add_shown(command, "-o,--output", arguments->outputs, "FILE",
+            "image to write, .exr scene-linear or .png, .jpg, .tif through OCIO; repeatable")
+      ->allow_extra_args(false)
+      ->required();
+  add_render_options(command, *arguments);
+  add_shown(command, "--stats", arguments->stats_file, "FILE.json",
+            "write times, counts of rays and memory");
+  command.callback([arguments, &code] { code = run_render(*arguments); });
+}
+
+}  // namespace abbe

@@ -1,0 +1,87 @@
+#include "abbe/cli/options/scene.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "abbe/base/error.h"
+#include "abbe/cli/options/typed.h"
+#include "abbe/film/filter.h"
+
+namespace abbe {
+
+void add_scene_options(CLI::App& command, SceneOptions& options) {
+  command.add_option("SCENE", options.choice.file, "glTF scene, .gltf or .glb")->required();
+  add_view_options(command, options);
+}
+
+void add_view_options(CLI::App& command, SceneOptions& options) {
+  RenderSettings& settings = options.settings;
+  add_shown(command, "--scene", options.choice.scene, "NAME",
+            "scene of the file to take (default: the file's own)");
+  add_shown(command, "--camera", options.choice.camera, "NAME",
+            "camera to look through, by name or by number from 0 (default: the first)");
+  add_shown(
+      command, "--lamp", options.choice.lamp, "ID",
+      "spectrum of the catalogue for all lamps of the scene, as illuminant/A; their brightness "
+      "stays (default: the scene's own)");
+  add_shown(
+      command, "--mode", options.mode, "MODE",
+      "spectral, rgb (one index of refraction) or rgb3 (one per channel) (default: spectral)");
+  add_shown(command, "--uplift", options.uplift, "NAME",
+            "how RGB colours become spectra: jakob-hanika, or mallett-yuksel, which knows Rec.709 "
+            "only (default: jakob-hanika)");
+  add_shown(command, "--size", options.size, "WxH",
+            "pixels (default: 540 rows in the camera's shape, 960x540 without one)");
+  add_number(command, "--wavelengths", settings.wavelengths.count, "N",
+             fmt::format("wavelengths per camera sample, 1 to 64 (default: {})",
+                         settings.wavelengths.count));
+  add_shown(command, "--range", options.range, "A:B",
+            "render only this part of the spectrum, in nm (default: 360:830)");
+  add_shown(command, "--lines", options.lines, "A,B,C",
+            "render exactly these wavelengths, in nm, a spectral channel each");
+  add_shown(command, "--filter", settings.filter, "NAME",
+            fmt::format("reconstruction filter: {} (default: {})", fmt::join(filter_names(), ", "),
+                        settings.filter));
+  add_number(command, "--depth", settings.max_depth, "N",
+             fmt::format("most surfaces a path may leave (default: {})", settings.max_depth));
+  add_shown(
+      command, "--cutoff", settings.cutoff, "X",
+      fmt::format("weight below which a fan no longer branches (default: {:g})", settings.cutoff));
+  command.add_flag("--drop", settings.drop,
+                   "end fans below the cutoff instead of following one child; loses energy");
+  add_shown(command, "--caustics", options.caustics, "HOW",
+            "light of lamps through and off flat facets: exact, or off for straight shadow rays "
+            "(default: exact)");
+  add_number(command, "--chain", settings.inner_reflections, "N",
+             fmt::format("most reflections inside a body on a path from a lamp (default: {})",
+                         settings.inner_reflections));
+  add_number(command, "--seed", settings.seed, "N", "of the sampling pattern (default: 0)");
+}
+
+void resolve_settings(SceneOptions& options) {
+  RenderSettings& settings = options.settings;
+  settings.mode = mode_from_name(options.mode);
+  settings.uplift = uplift_from_name(options.uplift);
+  if (options.caustics != "exact" && options.caustics != "off") {
+    throw_usage_error("--caustics", options.caustics, "a way to follow light", {"exact", "off"});
+  }
+  settings.caustics = options.caustics == "exact";
+  if (!options.size.empty()) settings.size = parse_size(options.size);
+  if (!options.range.empty()) {
+    const auto [low, high] = parse_range(options.range);
+    settings.wavelengths.range_min_nm = low;
+    settings.wavelengths.range_max_nm = high;
+  }
+  if (!options.lines.empty()) settings.wavelengths.exact_nm = parse_lines(options.lines);
+  RenderSettings without_crop = settings;
+  // Whether a crop fits shows when the size is known.
+  if (options.size.empty()) without_crop.crop.reset();
+  check_settings(without_crop);
+}
+
+void settle_size(SceneOptions& options, const Camera& camera) {
+  if (options.size.empty()) options.settings.size = default_size(camera);
+  check_settings(options.settings);
+}
+
+}  // namespace abbe

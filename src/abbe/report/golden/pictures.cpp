@@ -1,0 +1,76 @@
+#include "abbe/report/golden/pictures.h"
+
+#include <filesystem>
+#include <system_error>
+
+#include "abbe/base/error.h"
+#include "abbe/base/file.h"
+#include "abbe/display/display.h"
+#include "abbe/image/metrics/heat_map.h"
+#include "abbe/image/metrics/metrics.h"
+#include "abbe/image/raster/raster.h"
+#include "abbe/report/pack.h"
+
+namespace abbe {
+namespace {
+
+std::string png_uri(const Image& rgb_encoded) {
+  // The writer of pictures knows files alone.
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() /
+      ("abbe-" +
+       std::to_string(
+           hash_bytes(rgb_encoded.pixels.data(), rgb_encoded.pixels.size() * sizeof(float))) +
+       ".png");
+  write_raster(file, rgb_encoded);
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+  const std::string uri =
+      "data:image/png;base64," + base64(read_file(file, file.string(), kMostBytes));
+  std::error_code error;
+  std::filesystem::remove(file, error);
+  return uri;
+}
+
+bool has_rgb(const Image& image) {
+  return image.channel_index("R") && image.channel_index("G") && image.channel_index("B");
+}
+
+}  // namespace
+
+Image with_channels(const Image& image, const std::vector<std::string>& channels,
+                    const std::string& where) {
+  if (image.channels == channels) return image;
+  std::vector<std::size_t> picked;
+  for (const std::string& channel : channels) {
+    const auto index = image.channel_index(channel);
+    if (!index)
+      throw_input_error(where, "no channel " + channel, "those of the reference", channels);
+    picked.push_back(*index);
+  }
+  Image result = image;
+  result.channels = channels;
+  result.pixels.clear();
+  const std::size_t pixels = image.pixels.size() / image.channel_count();
+  result.pixels.reserve(pixels * picked.size());
+  for (std::size_t p = 0; p < pixels; ++p) {
+    for (const std::size_t c : picked)
+      result.pixels.push_back(image.pixels[p * image.channel_count() + c]);
+  }
+  return result;
+}
+
+std::vector<std::pair<std::string, std::string>> failure_pictures(
+    const Image& reference, const Image& image, const CompareThresholds& thresholds) {
+  std::vector<std::pair<std::string, std::string>> pictures;
+  if (reference.width != image.width || reference.height != image.height) return pictures;
+  if (has_rgb(reference)) {
+    pictures.emplace_back("reference", png_uri(to_display(reference, {})));
+    pictures.emplace_back("result", png_uri(to_display(image, {})));
+  }
+  const double scale = thresholds.hard_fail > 0.0 ? thresholds.hard_fail : 1e-6;
+  pictures.emplace_back("difference", png_uri(heat_map(max_error_map(image, reference),
+                                                       reference.width, reference.height, scale)));
+  return pictures;
+}
+
+}  // namespace abbe

@@ -1,0 +1,92 @@
+#include "abbe/session/prepare.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "abbe/base/error.h"
+#include "abbe/base/text.h"
+#include "abbe/load/gltf.h"
+#include "abbe/load/spectra/foreign.h"
+#include "abbe/scene/lamps.h"
+
+namespace abbe {
+namespace {
+
+std::size_t camera_index(const Scene& scene, const std::string& name) {
+  if (name.empty()) return 0;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
+    if (scene.cameras[i].name == name) return i;
+    names.push_back(scene.cameras[i].name.empty() ? std::to_string(i) : scene.cameras[i].name);
+  }
+  const auto number = whole_number_of(name);
+  if (number && *number >= 0 && static_cast<std::size_t>(*number) < scene.cameras.size()) {
+    return static_cast<std::size_t>(*number);
+  }
+  throw_usage_error("camera", "\"" + name + "\"", "a camera of the scene", names);
+}
+
+// An unknown id in a scene is bad input, as a choice wrong usage.
+std::string resolved(const std::string& id_or_tail, const Catalogue& catalogue) {
+  try {
+    return catalogue.resolve(id_or_tail, "lamp");
+  } catch (const Error& error) {
+    ErrorDetail detail = error.detail();
+    detail.kind = ErrorKind::Usage;
+    throw Error(std::move(detail));
+  }
+}
+
+NamedSpectrum lamp_of(const std::string& id_or_tail, const Catalogue& catalogue) {
+  const std::string id = resolved(id_or_tail, catalogue);
+  const CatalogueEntry entry = catalogue.entry(id, "lamp");
+  const bool is_lamp = entry.quantity == "emission" || entry.quantity == kPlainTable;
+  if (!is_lamp || !entry.spectrum) {
+    throw_usage_error("lamp", fmt::format("{} ({})", id, entry.quantity),
+                      "a lamp: an emission of the catalogue, as illuminant/A");
+  }
+  return {id, *entry.spectrum};
+}
+
+}  // namespace
+
+std::string PreparedScene::camera_name() const {
+  if (has_default_camera) return "default";
+  const std::string& name = chosen_camera().name;
+  return name.empty() ? std::to_string(camera) : name;
+}
+
+PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogue, Notes& notes) {
+  LoadOptions load;
+  if (!choice.scene.empty()) load.scene_name = choice.scene;
+  for (const Note& note : catalogue.notes().all()) notes.warn(note.where, note.text);
+  PreparedScene prepared;
+  prepared.scene = load_gltf(choice.file, catalogue, load, notes);
+  prepared.bounds = bounds_of(prepared.scene);
+  prepared.has_default_camera = add_default_camera(prepared.scene);
+  prepared.has_default_lights = add_default_lights(prepared.scene);
+  if (prepared.has_default_lights) {
+    notes.info(
+        "",
+        "the scene has no light of its own: lit by a default key and fill lamp in a grey surround");
+  }
+  if (prepared.has_default_camera) {
+    notes.info("", "the scene has no camera: seen by a default one that frames it");
+  }
+  if (!choice.lamp.empty()) {
+    const NamedSpectrum lamp = lamp_of(choice.lamp, catalogue);
+    prepared.lamp_id = lamp.id;
+    replace_lamps(prepared.scene, lamp);
+  }
+  prepared.camera = camera_index(prepared.scene, choice.camera);
+  return prepared;
+}
+
+Standards read_standards(Catalogue catalogue) {
+  Observer observer = catalogue.observer();
+  Spectrum d65 = catalogue.illuminant("illuminant/D65");
+  return {std::move(catalogue), std::move(observer), std::move(d65)};
+}
+
+}  // namespace abbe

@@ -1,0 +1,259 @@
+#include "abbe/session/provenance.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+#include <variant>
+
+#include "abbe/base/error.h"
+#include "abbe/base/isa.h"
+#include "abbe/base/text.h"
+#include "abbe/spectrum/spectrum.h"
+
+namespace abbe {
+namespace {
+
+constexpr const char* kUnit = " nm";
+
+// The spectra of everything that shines: ids of the catalogue, "scene" for the scene's own. Colours
+// of lights and emission stand for D65.
+std::string illuminant_text(const Scene& scene) {
+  std::set<std::string> names;
+  const auto add = [&names](const NamedSpectrum& spectrum) {
+    names.insert(spectrum.id.empty() ? "scene" : spectrum.id);
+  };
+  constexpr const char* kOfColors = "illuminant/D65";
+  for (const Light& light : scene.lights) {
+    light.spectrum ? add(*light.spectrum) : void(names.insert(kOfColors));
+  }
+  for (const Material& material : scene.materials) {
+    if (material.emission) {
+      add(material.emission->spectrum);
+    } else if (material.emissive_rec709 != Vec3f(0.0f) || material.unlit) {
+      names.insert(kOfColors);
+    }
+  }
+  if (scene.ambient && scene.ambient->luminance_cd_per_m2 > 0.0) add(scene.ambient->spectrum);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+void add_wavelengths(const RenderSettings& settings, std::map<std::string, Attribute>& out) {
+  if (settings.mode != Mode::Spectral) return;
+  const WavelengthOptions& wavelengths = settings.wavelengths;
+  if (!wavelengths.exact_nm.empty()) {
+    out["abbe:lines"] = lines_text(wavelengths) + kUnit;
+    return;
+  }
+  out["abbe:wavelengths"] = wavelengths.count;
+  out["abbe:range"] = range_text(wavelengths) + kUnit;
+  if (settings.bands) out["abbe:bands"] = bands_text(*settings.bands) + kUnit;
+}
+
+std::string before(const std::string& text, const std::string& end) {
+  return text.substr(0, text.find(end));
+}
+
+/// The attributes of a file, read as settings; what is missing leaves a setting as it is.
+class Reader {
+ public:
+  explicit Reader(const std::map<std::string, Attribute>& attributes) : attributes_(attributes) {}
+
+  /// Empty when there is none.
+  std::string text(const std::string& name, const std::string& end = "") const {
+    const auto found = attributes_.find("abbe:" + name);
+    if (found == attributes_.end()) return {};
+    const auto* value = std::get_if<std::string>(&found->second);
+    if (value == nullptr) reject(name, "no text");
+    return end.empty() ? *value : before(*value, end);
+  }
+  template <typename T>
+  void get(const std::string& name, T& setting) const {
+    const auto found = attributes_.find("abbe:" + name);
+    if (found == attributes_.end()) return;
+    const auto* value = std::get_if<T>(&found->second);
+    if (value == nullptr) reject(name, "a value of another type");
+    setting = *value;
+  }
+  std::vector<double> numbers(const std::string& name, char separator) const {
+    std::vector<double> numbers;
+    const std::string list = text(name, kUnit);
+    if (list.empty()) return numbers;
+    for (const std::string& part : split(list, separator)) {
+      const auto number = number_of(part);
+      if (!number) reject(name, "\"" + list + "\"");
+      numbers.push_back(*number);
+    }
+    return numbers;
+  }
+  std::vector<std::string> names(const std::string& name) const {
+    const std::string list = text(name);
+    return list.empty() ? std::vector<std::string>{} : split(list, ',');
+  }
+  [[noreturn]] static void reject(const std::string& name, const std::string& found) {
+    throw_input_error("abbe:" + name, found, "what this version writes");
+  }
+
+ private:
+  const std::map<std::string, Attribute>& attributes_;
+};
+
+RenderSettings settings_of(const Reader& read) {
+  RenderSettings settings;
+  settings.mode = mode_from_name(read.text("mode"));
+  read.get("samples", settings.samples_per_pixel);
+  read.get("wavelengths", settings.wavelengths.count);
+  if (const std::vector<double> range_nm = read.numbers("range", ':'); !range_nm.empty()) {
+    if (range_nm.size() != 2) Reader::reject("range", "no two ends");
+    settings.wavelengths.range_min_nm = range_nm[0];
+    settings.wavelengths.range_max_nm = range_nm[1];
+  }
+  settings.wavelengths.exact_nm = read.numbers("lines", ',');
+  if (const std::string bands = read.text("bands", kUnit); !bands.empty()) {
+    settings.bands = parse_bands(bands);
+  }
+  if (const std::string filter = read.text("filter"); !filter.empty()) settings.filter = filter;
+  read.get("depth", settings.max_depth);
+  read.get("cutoff", settings.cutoff);
+  settings.caustics = read.text("caustics") != "off";
+  read.get("chain", settings.inner_reflections);
+  int drop = 0;
+  read.get("drop", drop);
+  settings.drop = drop == 1;
+  if (const std::vector<double> seed = read.numbers("seed", ','); seed.size() == 1) {
+    settings.seed = static_cast<std::uint32_t>(seed.front());
+  }
+  if (read.text("uplift").starts_with(uplift_title(Uplift::MallettYuksel))) {
+    settings.uplift = Uplift::MallettYuksel;
+  }
+  if (const auto causes = read.names("freeze"); !causes.empty()) {
+    settings.frozen = parse_causes(causes);
+  }
+  settings.aovs = read.names("aov");
+  return settings;
+}
+
+// The window of a file and how it keeps its pixels.
+void read_form(const ExrHeader& header, Recipe& recipe) {
+  const Vec2i size(header.width, header.height), from = header.data_origin;
+  recipe.settings.size = size;
+  if (header.full_size != Vec2i(0)) {
+    recipe.settings.size = header.full_size;
+    recipe.settings.crop = PixelRect{from.x, from.y, from.x + size.x, from.y + size.y};
+  }
+  recipe.form.compression = header.compression;
+  recipe.form.tile_size = header.tile_size;
+  recipe.form.multi_part = header.part_count > 1;
+  recipe.form.half =
+      std::any_of(header.channels.begin(), header.channels.end(),
+                  [](const ExrHeader::Channel& channel) { return channel.type == "half"; });
+}
+
+}  // namespace
+
+std::string range_text(const WavelengthOptions& wavelengths) {
+  return fmt::format("{}:{}", wavelengths.range_min_nm, wavelengths.range_max_nm);
+}
+
+std::string lines_text(const WavelengthOptions& wavelengths) {
+  return fmt::format("{}", fmt::join(wavelengths.exact_nm, ","));
+}
+
+std::string bands_text(const BandOptions& bands) {
+  return fmt::format("{}:{}:{}", bands.begin_nm, bands.end_nm, bands.step_nm);
+}
+
+std::optional<Recipe> recipe_of(const ExrHeader& header) {
+  const auto& attributes = header.attributes;
+  if (!attributes.contains("abbe:version") || !attributes.contains("abbe:mode") ||
+      attributes.contains("abbe:developed")) {
+    return std::nullopt;
+  }
+  const Reader read(attributes);
+  Recipe recipe;
+  try {
+    recipe.settings = settings_of(read);
+    read_form(header, recipe);
+    recipe.scene.scene = read.text("scene");
+    recipe.scene.camera = read.text("camera");
+    if (recipe.scene.camera == "default") recipe.scene.camera.clear();
+    recipe.scene.lamp = read.text("lamp");
+    recipe.development = {read.text("observer", ","), read.text("white"),
+                          read.text("adaptation", " ")};
+    if (attributes.contains("abbe:primaries")) recipe.color_space = read.text("primaries");
+    recipe.isa = read.text("isa");
+    check_settings(recipe.settings);
+  } catch (const Error& error) {
+    throw_input_error("", std::string("settings of another version: ") + error.what(),
+                      "a file of this version");
+  }
+  return recipe;
+}
+
+std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
+                                            const RenderSettings& settings,
+                                            const DevelopmentOptions& development,
+                                            const Standards& standards) {
+  std::map<std::string, Attribute> out = development_attributes(development, standards);
+  out["abbe:version"] = std::string(ABBE_VERSION);
+  out["abbe:isa"] = isa_level();
+  out["abbe:complete"] = 1;
+  out["abbe:mode"] = mode_name(settings.mode);
+
+  out["abbe:illuminant"] = illuminant_text(prepared.scene);
+  const bool uplifts =
+      settings.mode == Mode::Spectral && !settings.frozen.contains(Cause::Reflectances);
+  out["abbe:uplift"] = uplifts ? fmt::format("{}, {}", uplift_title(settings.uplift),
+                                             primaries_of(prepared.scene.color_space).title)
+                               : std::string("none");
+  out["abbe:primaries"] = std::string(kRenderSpace);
+  out["abbe:unit"] = std::string("D65 at 1 cd/m2 is 1, 1, 1");
+
+  out["abbe:sceneHash"] = prepared.scene.content_hash;
+  if (!prepared.scene.name.empty()) out["abbe:scene"] = prepared.scene.name;
+  out["abbe:camera"] = prepared.camera_name();
+  if (prepared.has_default_lights) out["abbe:lights"] = std::string("default");
+
+  if (!prepared.lamp_id.empty()) out["abbe:lamp"] = prepared.lamp_id;
+
+  add_wavelengths(settings, out);
+  out["abbe:samples"] = settings.samples_per_pixel;
+  out["abbe:filter"] = settings.filter;
+  out["abbe:depth"] = settings.max_depth;
+  out["abbe:cutoff"] = settings.cutoff;
+  out["abbe:caustics"] = std::string(settings.caustics ? "exact" : "off");
+  out["abbe:chain"] = settings.inner_reflections;
+  out["abbe:drop"] = settings.drop ? 1 : 0;
+  out["abbe:seed"] = fmt::format("{}", settings.seed);
+  if (!settings.frozen.empty()) out["abbe:freeze"] = causes_text(settings.frozen);
+  if (!settings.aovs.empty()) out["abbe:aov"] = fmt::format("{}", fmt::join(settings.aovs, ","));
+
+  if (settings.bands || !settings.wavelengths.exact_nm.empty()) {
+    // The layout of Fichet, Pacanowski & Wilkie, JCGT 10(3), 2021.
+    out["spectralLayoutVersion"] = std::string("1.0");
+    out["emissiveUnits"] = std::string("W.m^-2.sr^-1");
+    out["EV"] = 0.0f;
+  }
+  return out;
+}
+
+std::vector<IdNames> id_names(const Scene& scene, const Image& image) {
+  std::vector<IdNames> result;
+  const auto add = [&](const char* channel, const auto& named, const char* kind) {
+    if (!image.channel_index(channel)) return;
+    IdNames ids{channel, {}};
+    // 0 is what no ray met.
+    std::uint32_t id = 0;
+    for (const auto& one : named) {
+      ++id;
+      ids.names[id] = one.name.empty() ? fmt::format("{} {}", kind, id - 1) : one.name;
+    }
+    result.push_back(std::move(ids));
+  };
+  add("objectId", scene.instances, "object");
+  add("materialId", scene.materials, "material");
+  return result;
+}
+
+}  // namespace abbe

@@ -93,21 +93,31 @@ HWY_INLINE LayerPhase<V> PhaseOfLayer(D d, V q_squared, V waves) {
   return phase;
 }
 
-/// |r|² of one polarisation. The admittance of a medium is u/v; `product` = admittance of the layer
-/// times sin β, `quotient` = sin β over that admittance.
-///
-/// The fields at the front of the layer follow from those at its back by its characteristic matrix,
-/// [[cos β, −i·quotient], [−i·product, cos β]]; with (B, C) = matrix·(v3, u3) the amplitude is
-/// r = (u1·B − v1·C)/(u1·B + v1·C). It is Airy's sum with the denominators multiplied out, so that
-/// it has no gap where a wave runs along the layer or along the boundary.
-/// Source: Born & Wolf, 1.6.2 and 1.6.4.
+/// A complex number per lane.
+template <class V>
+struct ComplexLanes {
+  V re, im;
+};
+
+/// The characteristic matrix of a layer, [[cos β, −i·quotient], [−i·product, cos β]], for one
+/// polarisation: `product` is its admittance times sin β, `quotient` sin β over that admittance.
+/// The admittance of a medium is u/v.
+template <class V>
+struct LayerMatrix {
+  V cosine, quotient, product;
+};
+
+/// |r|² of one polarisation: the fields at the front of the layer follow from those at its back by
+/// its matrix; with (B, C) = matrix·(v3, u3) the amplitude is r = (u1·B − v1·C)/(u1·B + v1·C). It
+/// is Airy's sum with the denominators multiplied out, so that it has no gap where a wave runs
+/// along the layer or along the boundary. Source: Born & Wolf, 1.6.2 and 1.6.4.
 template <class D, class V>
-HWY_INLINE V LayerReflectance(D d, V u1, V v1, V u3_re, V u3_im, V v3_re, V v3_im, V cosine,
-                              V quotient, V product) {
-  const V b_re = hn::Mul(u1, hn::Add(hn::Mul(cosine, v3_re), hn::Mul(quotient, u3_im)));
-  const V b_im = hn::Mul(u1, hn::Sub(hn::Mul(cosine, v3_im), hn::Mul(quotient, u3_re)));
-  const V c_re = hn::Mul(v1, hn::Add(hn::Mul(cosine, u3_re), hn::Mul(product, v3_im)));
-  const V c_im = hn::Mul(v1, hn::Sub(hn::Mul(cosine, u3_im), hn::Mul(product, v3_re)));
+HWY_INLINE V LayerReflectance(D d, V u1, V v1, const ComplexLanes<V>& u3, const ComplexLanes<V>& v3,
+                              const LayerMatrix<V>& layer) {
+  const V b_re = hn::Mul(u1, hn::Add(hn::Mul(layer.cosine, v3.re), hn::Mul(layer.quotient, u3.im)));
+  const V b_im = hn::Mul(u1, hn::Sub(hn::Mul(layer.cosine, v3.im), hn::Mul(layer.quotient, u3.re)));
+  const V c_re = hn::Mul(v1, hn::Add(hn::Mul(layer.cosine, u3.re), hn::Mul(layer.product, v3.im)));
+  const V c_im = hn::Mul(v1, hn::Sub(hn::Mul(layer.cosine, u3.im), hn::Mul(layer.product, v3.re)));
   const auto squared = [](V x, V y) { return hn::Add(hn::Mul(x, x), hn::Mul(y, y)); };
   const V difference = squared(hn::Sub(b_re, c_re), hn::Sub(b_im, c_im));
   const V sum = squared(hn::Add(b_re, c_re), hn::Add(b_im, c_im));
@@ -141,17 +151,17 @@ HWY_INLINE V ThinFilmReflectance(D d, V cos_incident, V film_over_incident, V n_
   const V larger = hn::Sqrt(hn::Mul(half, hn::Add(modulus, hn::Abs(re))));
   const V smaller = hn::Div(nk, hn::Max(larger, hn::Set(d, 1e-30f)));
   const auto is_positive = hn::Ge(re, zero);
-  const V q3_re = hn::IfThenElse(is_positive, larger, smaller);
-  const V q3_im = hn::IfThenElse(is_positive, smaller, larger);
-  const V e3_re = hn::Sub(hn::Mul(n_over_incident, n_over_incident), k_squared);
-  const V e3_im = hn::Add(nk, nk);
+  const ComplexLanes<V> q3{hn::IfThenElse(is_positive, larger, smaller),
+                           hn::IfThenElse(is_positive, smaller, larger)};
+  const ComplexLanes<V> e3{hn::Sub(hn::Mul(n_over_incident, n_over_incident), k_squared),
+                           hn::Add(nk, nk)};
 
   const V q2_sine = hn::Mul(q2_squared, phase.sine_over_q);
-  const V s = LayerReflectance(d, cos_incident, one, q3_re, q3_im, one, zero, phase.cosine,
-                               phase.sine_over_q, q2_sine);
-  const V p =
-      LayerReflectance(d, one, cos_incident, e3_re, e3_im, q3_re, q3_im, phase.cosine,
-                       hn::Div(q2_sine, film_squared), hn::Mul(film_squared, phase.sine_over_q));
+  const V s = LayerReflectance(d, cos_incident, one, q3, {one, zero},
+                               LayerMatrix<V>{phase.cosine, phase.sine_over_q, q2_sine});
+  const V p = LayerReflectance(d, one, cos_incident, e3, q3,
+                               LayerMatrix<V>{phase.cosine, hn::Div(q2_sine, film_squared),
+                                              hn::Mul(film_squared, phase.sine_over_q)});
   return hn::Min(hn::Mul(half, hn::Add(s, p)), one);
 }
 

@@ -89,6 +89,74 @@ void check_range(Document& document, const tinygltf::Accessor& accessor, int ind
   }
 }
 
+/// The corners of a primitive's triangles, and which of its vertices they use where it says.
+struct Corners {
+  std::vector<std::uint32_t> indices;
+  Selection selected;
+};
+
+Corners read_corners(Document& document, Accessors& accessors, const tinygltf::Primitive& source,
+                     std::size_t vertex_count, const std::string& pointer) {
+  if (vertex_count > std::numeric_limits<std::uint32_t>::max()) {
+    throw_input_error(document.where(pointer), fmt::format("{} vertices", vertex_count),
+                      "at most 2^32 - 1");
+  }
+  Corners corners;
+  std::vector<std::uint32_t>& indices = corners.indices;
+  if (source.indices >= 0) {
+    accessors.spend(accessors.count(source.indices), pointer);
+    indices = accessors.indices(source.indices, pointer + "/indices");
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      if (indices[i] >= vertex_count) {
+        throw_input_error(document.where(pointer + "/indices"),
+                          fmt::format("index {} at place {}", indices[i], i),
+                          fmt::format("below the number of vertices, {}", vertex_count));
+      }
+    }
+    corners.selected = select(indices, vertex_count);
+  }
+  accessors.spend(corners.selected ? corners.selected->size() : vertex_count, pointer);
+  if (source.indices < 0) {
+    indices.resize(vertex_count);
+    std::iota(indices.begin(), indices.end(), 0u);
+  }
+  return corners;
+}
+
+void read_attributes(Document& document, const tinygltf::Model& model, Accessors& accessors,
+                     const tinygltf::Primitive& source, const Selection& selected,
+                     const std::string& pointer, Mesh& mesh) {
+  const bool is_quantized = uses_extension(document, "KHR_mesh_quantization");
+  const Components exact = is_quantized ? Components::AnyQuantized : Components::FloatOnly;
+  const Components unorm = is_quantized ? Components::AnyQuantized : Components::FloatOrUnorm;
+
+  const std::size_t vertex_count = accessors.count(source.attributes.at("POSITION"));
+  for (const auto& [name, accessor] : source.attributes) {
+    const std::string user = pointer + "/attributes/" + name;
+    const bool is_known = name == "POSITION" || name == "NORMAL" || name == "TANGENT" ||
+                          name == "TEXCOORD_0" || name == "TEXCOORD_1" || name == "COLOR_0";
+    if (!is_known) continue;
+    if (accessors.count(accessor) != vertex_count) {
+      throw_input_error(document.where(user), fmt::format("{} elements", accessors.count(accessor)),
+                        fmt::format("as many as POSITION has, {}", vertex_count));
+    }
+    if (name == "POSITION") {
+      mesh.positions = accessors.vec3(accessor, user, exact, selected);
+      if (selected) continue;
+      check_range(document, model.accessors[static_cast<std::size_t>(accessor)], accessor,
+                  mesh.positions);
+    } else if (name == "NORMAL") {
+      mesh.normals = accessors.vec3(accessor, user, exact, selected);
+    } else if (name == "TANGENT") {
+      mesh.tangents = accessors.vec4(accessor, user, exact, selected);
+    } else if (name == "COLOR_0") {
+      mesh.colors_rec709 = accessors.color(accessor, user, unorm, selected);
+    } else {
+      mesh.uv[name == "TEXCOORD_0" ? 0 : 1] = accessors.vec2(accessor, user, unorm, selected);
+    }
+  }
+}
+
 }  // namespace
 
 std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& model,
@@ -115,63 +183,15 @@ std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& mo
     notes.warn(document.where(fmt::format("/meshes/{}/weights", mesh_index)),
                "weights of morph targets that are not there");
   }
-  const bool is_quantized = uses_extension(document, "KHR_mesh_quantization");
-  const Components exact = is_quantized ? Components::AnyQuantized : Components::FloatOnly;
-  const Components unorm = is_quantized ? Components::AnyQuantized : Components::FloatOrUnorm;
-
-  const std::size_t vertex_count = accessors.count(position_accessor->second);
-  if (vertex_count > std::numeric_limits<std::uint32_t>::max()) {
-    throw_input_error(place, fmt::format("{} vertices", vertex_count), "at most 2^32 - 1");
-  }
-  std::vector<std::uint32_t> indices;
-  Selection selected;
-  if (source.indices >= 0) {
-    accessors.spend(accessors.count(source.indices), pointer);
-    indices = accessors.indices(source.indices, pointer + "/indices");
-    for (std::size_t i = 0; i < indices.size(); ++i) {
-      if (indices[i] >= vertex_count) {
-        throw_input_error(document.where(pointer + "/indices"),
-                          fmt::format("index {} at place {}", indices[i], i),
-                          fmt::format("below the number of vertices, {}", vertex_count));
-      }
-    }
-    selected = select(indices, vertex_count);
-  }
-  accessors.spend(selected ? selected->size() : vertex_count, pointer);
-  if (source.indices < 0) {
-    indices.resize(vertex_count);
-    std::iota(indices.begin(), indices.end(), 0u);
-  }
+  const auto [indices, selected] = read_corners(
+      document, accessors, source, accessors.count(position_accessor->second), pointer);
 
   Mesh mesh;
   mesh.name = source_mesh.name.empty() ? fmt::format("mesh {}", mesh_index) : source_mesh.name;
   if (source_mesh.primitives.size() > 1) mesh.name += fmt::format(" [{}]", primitive);
   mesh.material = source.material < 0 ? 0 : static_cast<std::uint32_t>(source.material);
 
-  for (const auto& [name, accessor] : source.attributes) {
-    const std::string user = pointer + "/attributes/" + name;
-    const bool is_known = name == "POSITION" || name == "NORMAL" || name == "TANGENT" ||
-                          name == "TEXCOORD_0" || name == "TEXCOORD_1" || name == "COLOR_0";
-    if (!is_known) continue;
-    if (accessors.count(accessor) != vertex_count) {
-      throw_input_error(document.where(user), fmt::format("{} elements", accessors.count(accessor)),
-                        fmt::format("as many as POSITION has, {}", vertex_count));
-    }
-    if (name == "POSITION") {
-      mesh.positions = accessors.vec3(accessor, user, exact, selected);
-      if (selected) continue;
-      check_range(document, model.accessors[static_cast<std::size_t>(accessor)], accessor,
-                  mesh.positions);
-    } else if (name == "NORMAL") {
-      mesh.normals = accessors.vec3(accessor, user, exact, selected);
-    } else if (name == "TANGENT") {
-      mesh.tangents = accessors.vec4(accessor, user, exact, selected);
-    } else if (name == "COLOR_0") {
-      mesh.colors_rec709 = accessors.color(accessor, user, unorm, selected);
-    } else {
-      mesh.uv[name == "TEXCOORD_0" ? 0 : 1] = accessors.vec2(accessor, user, unorm, selected);
-    }
-  }
+  read_attributes(document, model, accessors, source, selected, pointer, mesh);
 
   if (mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0) {
     notes.warn(place, fmt::format("{} corners are no multiple of 3; the last {} are ignored",

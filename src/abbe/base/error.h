@@ -24,6 +24,7 @@ struct ErrorDetail {
   std::vector<std::string> choices = {};  ///< The valid names, when there are few; or the nearest.
 };
 
+/// What every function here throws, and nothing else: libraries' own exceptions are translated.
 class Error : public std::exception {
  public:
   explicit Error(ErrorDetail detail);

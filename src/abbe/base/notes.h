@@ -8,11 +8,13 @@
 
 namespace abbe {
 
+/// How much a note should worry its reader.
 enum class NoteKind {
   Info,     ///< A choice made for the user: a default light rig, an extrapolated formula.
   Warning,  ///< Something ignored, dropped or approximated.
 };
 
+/// One thing worth telling.
 struct Note {
   NoteKind kind = NoteKind::Info;
   std::string where;  ///< File and place, as in ErrorDetail.

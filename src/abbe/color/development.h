@@ -29,6 +29,7 @@ struct White {
   std::optional<Vec2d> xy;  ///< A chromaticity instead.
 };
 
+/// How a film's sums are to become colours.
 struct DevelopmentOptions {
   /// Whose eyes, or which camera, the film has; the CIE 1931 observer without one. Luminances of
   /// the scene are those of the CIE 1931 observer always.

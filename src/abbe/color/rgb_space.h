@@ -9,6 +9,7 @@
 
 namespace abbe {
 
+/// Which linear RGB space a colour is in.
 enum class RgbSpace {
   Rec709,     ///< ITU-R BT.709-6; glTF's own.
   DisplayP3,  ///< SMPTE EG 432-1 primaries, white D65.
@@ -28,6 +29,7 @@ struct RgbPrimaries {
 /// All spaces, Rec.709 first.
 const std::vector<RgbPrimaries>& rgb_spaces();
 
+/// The row of rgb_spaces() for a space.
 const RgbPrimaries& primaries_of(RgbSpace space);
 
 /// The name of a space, and a space by its name. Errors: an input Error at `where` that lists them.

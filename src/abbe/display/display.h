@@ -10,6 +10,7 @@
 
 namespace abbe {
 
+/// For which display, in which manner and how bright.
 struct DisplayOptions {
   std::optional<std::filesystem::path> config;  ///< Default: $OCIO, then config/config.ocio.
   std::string display = "sRGB - Display";

@@ -42,6 +42,7 @@ struct Image {
   float at(int x, int y, std::size_t c) const {
     return pixels[(static_cast<std::size_t>(y) * width + x) * channels.size() + c];
   }
+  /// Where a channel is among `channels`; nothing when there is none of that name.
   std::optional<std::size_t> channel_index(const std::string& name) const;
 };
 

@@ -12,12 +12,15 @@
 
 namespace abbe {
 
+/// What of a file is loaded.
 struct LoadOptions {
   std::optional<std::string> scene_name;  ///< Which scene of the file; default: the file's own.
 };
 
 /// Reads, checks and understands a glTF file. Everything ignored or approximated becomes a note.
-/// Errors: input Error with file and JSON pointer. Nothing outside the scene's folder is read.
+/// Nothing outside the scene's folder is read, but spectra of the catalogue.
+/// Shape:  a scene that validate() accepts, without default lights and cameras.
+/// Errors: input Error with file and JSON pointer; a usage Error for an unknown scene_name.
 Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
                 const LoadOptions& options, Notes& notes);
 

@@ -1,5 +1,9 @@
 /// A scene as it was described: plain indexed data in its source form (RGB stays RGB, a glass stays
 /// a formula). What a renderer needs beyond that is made in world/.
+///
+/// Everywhere here lengths are metres, a `std::uint32_t` that names a thing is its index in the
+/// scene's vector of such things, and matrices are of columns, as in glm. Nothing checks itself:
+/// validate() (validation.h) says whether indices, sizes and numbers are in their domains.
 #pragma once
 
 #include <array>
@@ -33,11 +37,14 @@ struct NamedSpectrum {
   Spectrum spectrum;
 };
 
+/// What a texture shows outside [0, 1], along one axis of its coordinates.
 enum class TextureWrap : std::uint8_t { Repeat, MirroredRepeat, ClampToEdge };
+/// How texels become values between them: the nearest, or bilinear with mipmaps.
 enum class TextureFilter : std::uint8_t { Nearest, Linear };
 
 /// Decoded pixels, row 0 at the top, always four channels; 8-bit values are kept as they are in the
 /// file, deeper ones as floats in [0, 1].
+/// Domain: at least one pixel; exactly one of the two vectors is filled.
 struct TextureImage {
   std::string name;
   int width = 0;
@@ -46,31 +53,38 @@ struct TextureImage {
   std::vector<float> rgba_float;    ///< width·height·4 values, or empty
 };
 
+/// An image with the rules of looking it up. What its values mean (sRGB-encoded colour, direction,
+/// share) is said by the member of Material that uses it.
 struct Texture {
-  std::uint32_t image = 0;
+  std::uint32_t image = 0;  ///< Index into images.
   TextureWrap wrap_s = TextureWrap::Repeat;
   TextureWrap wrap_t = TextureWrap::Repeat;
   TextureFilter filter = TextureFilter::Linear;
 };
 
 /// A use of a texture: which UV set, and KHR_texture_transform as uv' = linear·uv + offset.
+/// Units: texture coordinates; 0, 0 is the upper left corner of the image, 1, 1 the lower right.
 struct TextureUse {
-  std::uint32_t texture = 0;
-  std::uint32_t uv_set = 0;
+  std::uint32_t texture = 0;                               ///< Index into textures.
+  std::uint32_t uv_set = 0;                                ///< 0 or 1.
   std::array<float, 4> uv_linear{1.0f, 0.0f, 0.0f, 1.0f};  ///< Row major.
   Vec2f uv_offset{0.0f};
 };
 
+/// What alpha does: nothing; all or nothing at Material::alpha_cutoff; the share of light stopped.
 enum class AlphaMode : std::uint8_t { Opaque, Mask, Blend };
 
 /// Complex index n + ik of a metal.
+/// Units:  dimensionless, over nm.
+/// Domain: n > 0, k ≥ 0.
 struct Conductor {
-  std::string id;
+  std::string id;  ///< Of the catalogue; empty for an index written in the scene itself.
   Spectrum n, k;
   std::optional<Vec2d> range_nm = {};  ///< Where a table of the catalogue was measured.
 };
 
 /// One lossless layer on a surface, seen by its interference colours.
+/// Domain: thicknesses ≥ 0, factor in [0, 1].
 struct ThinFilm {
   Dispersion index = ConstantIndex{1.3};
   std::string index_id;                      ///< Id of a catalogue material, or empty.
@@ -92,6 +106,9 @@ struct SpectralEmission {
 inline constexpr float kSmoothRoughness = 0.03f;
 
 /// glTF's metallic-roughness model, the KHR extensions the renderer knows, and ABBE_material.
+/// Textures multiply the factor that they stand beside. Defaults are glTF's.
+/// Domain: base colour, metallic, roughness and transmission in [0, 1]; what is measured
+///         (`reflectance`, `emission`, `conductor`, `absorption_per_m`) goes before RGB.
 struct Material {
   std::string name;
 
@@ -131,6 +148,8 @@ struct Material {
 };
 
 /// Triangles with their attributes; per-vertex vectors are empty or as long as positions.
+/// Shape:  three indices into positions a triangle, counterclockwise seen from the front.
+/// Units:  metres in mesh space; normals and the first three of tangents of unit length.
 struct Mesh {
   std::string name;
   std::vector<Vec3f> positions;
@@ -142,13 +161,18 @@ struct Mesh {
   std::uint32_t material = 0;
 };
 
-/// An exact shape of ABBE_shape, in its node's space.
+/// A ball about the origin of its node's space.
+/// Domain: radius_m > 0.
 struct SphereShape {
   double radius_m = 1.0;
 };
+/// A convex polyhedron: what all of its planes have behind them, in its node's space.
+/// Domain: planes that enclose a body of finite size (convex.h).
 struct ConvexShape {
   std::vector<Vec4d> planes;  ///< n·x ≤ d as (nx, ny, nz, d); n need not be of unit length.
 };
+/// An exact shape of ABBE_shape: a closed body that no triangles approximate. Its outside is the
+/// front; it has no texture coordinates.
 struct Shape {
   std::string name;
   std::variant<SphereShape, ConvexShape> geometry;
@@ -162,6 +186,8 @@ struct Instance {
   Mat4d to_world{1.0};
 };
 
+/// How a lamp without an area sends its light: into all directions from a place, into a cone from a
+/// place, or along one direction everywhere (within Light::beam, if there is one).
 enum class LightType : std::uint8_t { Point, Spot, Directional };
 
 /// Limits a directional light to a rectangle about the origin of its XY plane.
@@ -171,6 +197,7 @@ struct BeamSize {
 };
 
 /// KHR_lights_punctual, placed. Shines along −Z of `to_world` (rotation and translation only).
+/// Domain: intensity ≥ 0, range_m > 0, 0 ≤ inner_cone_rad < outer_cone_rad (of spots).
 struct Light {
   std::string name;
   LightType type = LightType::Point;
@@ -184,15 +211,18 @@ struct Light {
   Mat4d to_world{1.0};
 };
 
+/// All rays from one point. The angle is that of the image's height; the width follows its shape.
+/// Domain: 0 < yfov_rad < π.
 struct PerspectiveCamera {
   double yfov_rad = 0.8;
 };
+/// Parallel rays; both extents are used as given, whatever the image's shape.
 struct OrthographicCamera {
   double xmag = 1.0;  ///< Half width, metres.
   double ymag = 1.0;  ///< Half height, metres.
 };
 
-/// Looks along −Z with +Y up.
+/// A camera, placed. Looks along −Z of `to_world` with +Y up; its scale means nothing.
 struct Camera {
   std::string name;
   std::variant<PerspectiveCamera, OrthographicCamera> projection;
@@ -200,18 +230,24 @@ struct Camera {
   Mat4d to_world{1.0};
 };
 
-/// ABBE_scene.ambient: L_a of the illumination equation.
+/// ABBE_scene.ambient: L_a of the illumination equation, the same from all around.
+/// Domain: luminance_cd_per_m2 ≥ 0.
 struct Ambient {
   double luminance_cd_per_m2 = 0.0;
   NamedSpectrum spectrum;
 };
 
 /// ABBE_scene.fog: a homogeneous medium outside all bodies that scatters evenly, once.
+/// Domain: extinction_per_m ≥ 0, albedo in [0, 1].
 struct Fog {
   double extinction_per_m = 0.0;
   Reflectance albedo;  ///< Share of what it takes from light that it scatters.
 };
 
+/// All that a file says of one scene. Made by load/ or by hand; immutable while it is rendered.
+/// Domain: validate() (validation.h) passes; a renderer relies on it and checks nothing again. A
+///         scene without lights or cameras is rendered after add_default_lights() and
+///         add_default_camera().
 struct Scene {
   std::string name;
   RgbSpace color_space = RgbSpace::Rec709;  ///< Of colour textures; all else is linear Rec.709.
@@ -228,6 +264,7 @@ struct Scene {
 };
 
 /// World bounds of all instances, or of one; exact for meshes, conservative for shapes.
+/// Units:  metres. Empty without instances.
 Box3f bounds_of(const Scene& scene);
 Box3f bounds_of(const Scene& scene, const Instance& instance);
 

@@ -33,6 +33,7 @@ class Spectrum {
   /// The spectrum that is 0 everywhere.
   Spectrum() = default;
 
+  /// The same value at every wavelength.
   static Spectrum constant(double value);
   /// Linear between the points.
   /// Domain: at least one point; wavelengths finite and strictly increasing, values finite.
@@ -42,6 +43,7 @@ class Spectrum {
   /// Planck's law, spectral radiance in W·m⁻²·sr⁻¹·nm⁻¹. Source: CODATA 2018 constants.
   static Spectrum blackbody(double temperature_K);
   static Spectrum sigmoid(const SigmoidPolynomial& polynomial);
+  /// Nothing but lines, in any order.
   static Spectrum lines(std::vector<SpectralLine> lines);
 
   /// The continuous part at a wavelength.

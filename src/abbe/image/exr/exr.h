@@ -12,6 +12,7 @@
 
 namespace abbe {
 
+/// How an EXR file is laid out.
 struct ExrOptions {
   /// Half instead of float for colour (R, G, B, A and what ends in .R, .G, .B) and normals (N.*).
   /// Other channels stay float: depths need the digits, spectral radiances lie below what half

@@ -15,6 +15,7 @@ struct CompareThresholds {
   double hard_fail = 0.012;    ///< or when one value differs by more than this.
 };
 
+/// What compare_images() found.
 struct Comparison {
   bool passed = false;
   std::size_t failed_pixels = 0;  ///< Pixels beyond `fail`.

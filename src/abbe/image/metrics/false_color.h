@@ -14,6 +14,7 @@ inline constexpr int kFalseColorLowest_ev = -8;
 inline constexpr int kFalseColorHighest_ev = 7;
 inline constexpr std::size_t kFalseColorZones = kFalseColorHighest_ev - kFalseColorLowest_ev + 1;
 
+/// What false_color_image() makes.
 struct FalseColorImage {
   Image picture;  ///< sRGB-encoded.
   /// Pixels of each zone, from the lowest: zone i is luminances around 0.18·2^(lowest + i).

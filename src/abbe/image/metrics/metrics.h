@@ -9,6 +9,7 @@
 
 namespace abbe {
 
+/// How far a channel of an image is from that of its reference.
 struct ChannelMetrics {
   std::string channel;
   double rmse = 0.0;

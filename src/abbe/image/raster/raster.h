@@ -14,6 +14,7 @@ namespace abbe {
 /// Attribute of a display image that names the display it is encoded for.
 inline constexpr const char* kDisplayAttribute = "abbe:display";
 
+/// How write_raster() turns numbers into codes.
 struct RasterOptions {
   int bits = 8;  ///< 8, or 16 for PNG and TIFF; JPEG has 8 always.
   /// Adds noise of a triangular density over two codes before rounding: bands in gradients become

@@ -7,6 +7,7 @@
 
 namespace abbe {
 
+/// The formats that glTF allows for textures, and all else.
 enum class TextureFormat : std::uint8_t { Png, Jpeg, Other };
 
 /// By the first bytes.

@@ -27,17 +27,17 @@ double highest(const Vec3d& rgb) {
 
 }  // namespace
 
-SpectrumColours::SpectrumColours(const Observer& observer) : observer_(observer) {
+SpectrumColors::SpectrumColors(const Observer& observer) : observer_(observer) {
   for (double nm = kRangeMin_nm; nm <= kRangeMax_nm; nm += 1.0) {
     brightest_ = std::max(brightest_, highest(inside_gamut(nm, observer)));
   }
 }
 
-Vec3d SpectrumColours::at(double wavelength_nm) const {
+Vec3d SpectrumColors::at(double wavelength_nm) const {
   return encoded(inside_gamut(wavelength_nm, observer_) / brightest_);
 }
 
-Vec3d SpectrumColours::bright_at(double wavelength_nm) const {
+Vec3d SpectrumColors::bright_at(double wavelength_nm) const {
   const Vec3d rgb_rec709 = inside_gamut(wavelength_nm, observer_);
   const double high = highest(rgb_rec709);
   return high > 0.0 ? encoded(rgb_rec709 / high) : Vec3d(0.0);

@@ -9,9 +9,9 @@ namespace abbe {
 /// Colours to draw wavelengths with. Every spectral colour is outside the gamut of the page: each
 /// is moved along the line to grey until no channel is negative. The ends of the spectrum fade into
 /// black, as the eye sees them.
-class SpectrumColours {
+class SpectrumColors {
  public:
-  explicit SpectrumColours(const Observer& observer);
+  explicit SpectrumColors(const Observer& observer);
 
   /// Shape:  encoded sRGB.
   /// Units:  in [0, 1], the brightest wavelength's highest channel being 1.

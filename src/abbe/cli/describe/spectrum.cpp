@@ -63,7 +63,7 @@ Description triple_of(const Vec3d& value) {
 }
 
 void describe_rendering(const Spectrum& lamp, const SpectrumView& view, Description& out) {
-  const auto rendering = colour_rendering(lamp, view.observer, view.test_colors, view.daylight);
+  const auto rendering = color_rendering(lamp, view.observer, view.test_colors, view.daylight);
   if (!rendering) return;
   out["CRI_Ra"] = rendering->general;
   out["CRI_R"] = Description::array();

@@ -25,14 +25,14 @@ Vec3d wuv_of(double Y, const Vec2d& uv, const Vec2d& uv_white) {
 
 }  // namespace
 
-std::optional<ColourRendering> colour_rendering(const Spectrum& lamp, const Observer& observer,
-                                                const std::array<Spectrum, 14>& samples,
-                                                const DaylightComponents& components) {
+std::optional<ColorRendering> color_rendering(const Spectrum& lamp, const Observer& observer,
+                                              const std::array<Spectrum, 14>& samples,
+                                              const DaylightComponents& components) {
   const Vec3d xyz_lamp = xyz_of(lamp, observer);
   const auto nearest = correlated_temperature(xyz_lamp, observer);
   constexpr double kDaylightFrom_K = 5000.0;
   if (!nearest || nearest->temperature_K > kCoolestDaylight_K) return std::nullopt;
-  ColourRendering result;
+  ColorRendering result;
   result.reference_temperature_K = nearest->temperature_K;
   result.reference_is_daylight = nearest->temperature_K >= kDaylightFrom_K;
   const Spectrum reference = result.reference_is_daylight

@@ -10,7 +10,7 @@
 namespace abbe {
 
 /// CIE's colour rendering indices of a lamp.
-struct ColourRendering {
+struct ColorRendering {
   double general = 0.0;              ///< Ra: the mean of the first eight.
   std::array<double, 14> special{};  ///< R1 to R14; 100 where a sample looks as it should.
   double reference_temperature_K = 0.0;
@@ -22,8 +22,8 @@ struct ColourRendering {
 /// Domain: `observer` is the CIE 1931 observer.
 /// Errors: none; nothing where the lamp has no correlated colour temperature.
 /// Source: CIE 13.3-1995.
-std::optional<ColourRendering> colour_rendering(const Spectrum& lamp, const Observer& observer,
-                                                const std::array<Spectrum, 14>& samples,
-                                                const DaylightComponents& components);
+std::optional<ColorRendering> color_rendering(const Spectrum& lamp, const Observer& observer,
+                                              const std::array<Spectrum, 14>& samples,
+                                              const DaylightComponents& components);
 
 }  // namespace abbe

@@ -177,8 +177,8 @@ class EdgeSums {
 }  // namespace
 
 // First on a coarse grid of edges, then both in ever smaller steps.
-NormalisedSigmoid nearest_optimal_colour(const Vec3d& rgb_rec709,
-                                         const ReflectanceProjection& projection) {
+NormalisedSigmoid nearest_optimal_color(const Vec3d& rgb_rec709,
+                                        const ReflectanceProjection& projection) {
   const EdgeSums sums(projection);
   const Vec3d target = lab_of(rgb_rec709);
   double edge[2] = {0.0, 0.0}, error = 1e30;
@@ -239,7 +239,7 @@ NormalisedSigmoid fit_reflectance(const Vec3d& rgb_rec709,
   }
   const double miss = squared_miss_in_lab(sigmoid, rgb_rec709, projection);
   if (miss < kMissedInLab * kMissedInLab) return sigmoid;
-  const NormalisedSigmoid optimal = nearest_optimal_colour(rgb_rec709, projection);
+  const NormalisedSigmoid optimal = nearest_optimal_color(rgb_rec709, projection);
   return squared_miss_in_lab(optimal, rgb_rec709, projection) < miss ? optimal : sigmoid;
 }
 

@@ -38,8 +38,8 @@ NormalisedSigmoid fit_reflectance(const Vec3d& rgb_rec709, const ReflectanceProj
 
 /// The nearest in L*a*b* of MacAdam's optimal colours, which are 1 in a band and 0 outside or the
 /// other way round: for a colour that no reflectance has, the nearest of all.
-NormalisedSigmoid nearest_optimal_colour(const Vec3d& rgb_rec709,
-                                         const ReflectanceProjection& projection);
+NormalisedSigmoid nearest_optimal_color(const Vec3d& rgb_rec709,
+                                        const ReflectanceProjection& projection);
 
 /// Squared distance in L*a*b* of a reflectance's colour, and the distance from which on a fit has
 /// missed: such a colour is impossible, or nearly so.

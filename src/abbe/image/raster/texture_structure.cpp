@@ -46,8 +46,8 @@ std::string png_header_error(Bytes data, PngHeader& header) {
     return "a PNG of " + header.size() + " pixels";
   }
   const std::uint64_t depth = data[8];
-  const std::uint8_t colour = data[9];
-  const std::uint64_t channels = colour == 2 ? 3 : colour == 4 ? 2 : colour == 6 ? 4 : 1;
+  const std::uint8_t color = data[9];
+  const std::uint64_t channels = color == 2 ? 3 : color == 4 ? 2 : color == 6 ? 4 : 1;
   header.raw_bytes = header.height * (header.width * channels * depth / 8);
   return "";
 }

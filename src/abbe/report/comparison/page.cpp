@@ -347,7 +347,7 @@ Json page_data(const CompareResult& result, const std::map<std::string, std::str
     data["heat"].push_back({std::round(color.x), std::round(color.y), std::round(color.z)});
   }
   data["bands"] = Json::array();
-  const SpectrumColours colors(observer);
+  const SpectrumColors colors(observer);
   for (const double nm : bands.nm) {
     data["bands"].push_back({{"nm", nm}, {"color", css_color(colors.bright_at(nm))}});
   }

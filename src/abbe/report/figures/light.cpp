@@ -118,7 +118,7 @@ class LightFigureMaker {
   }
 
   const LitPlace& lit_;
-  SpectrumColours colors_;
+  SpectrumColors colors_;
   double size_m_;
   RayFigure figure_;
 };

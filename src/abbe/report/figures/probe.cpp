@@ -190,7 +190,7 @@ class FigureMaker {
   std::span<const ProbeNode> nodes_;
   std::vector<const ProbeNode*> shown_;
   Vec3d eye_;
-  SpectrumColours colors_;
+  SpectrumColors colors_;
   double size_m_ = 1.0;
   RayFigure figure_;
 };
@@ -202,7 +202,7 @@ RayFigure probe_figure(std::span<const ProbeNode> nodes, const Vec3d& eye, const
   return FigureMaker(nodes, eye, view, observer).make();
 }
 
-std::string lane_color(const SpectrumColours& colors, std::optional<double> wavelength_nm,
+std::string lane_color(const SpectrumColors& colors, std::optional<double> wavelength_nm,
                        const std::string& channel) {
   if (wavelength_nm) return svg_color(colors.bright_at(*wavelength_nm));
   return channel == "R" ? "#d02020" : channel == "G" ? "#20a020" : "#2040d0";

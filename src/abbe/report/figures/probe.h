@@ -23,7 +23,7 @@ RayFigure probe_figure(std::span<const ProbeNode> nodes, const Vec3d& eye, const
                        const Observer& observer);
 
 /// The colour of a lane in a drawing.
-std::string lane_color(const SpectrumColours& colors, std::optional<double> wavelength_nm,
+std::string lane_color(const SpectrumColors& colors, std::optional<double> wavelength_nm,
                        const std::string& channel);
 
 }  // namespace abbe

@@ -218,7 +218,7 @@ std::string plot_curves(const std::vector<CatalogueEntry>& entries,
                      value_axis(axis, curves), kFrame_px);
   constexpr int kStrip_px = 26;
   diagram.strip_below(kStrip_px);
-  const SpectrumColours colors(observer);
+  const SpectrumColors colors(observer);
   const double cell_nm = (range_nm.second - range_nm.first) / 235.0;
   for (int i = 0; i < 235; ++i) {
     const double nm = range_nm.first + i * cell_nm;

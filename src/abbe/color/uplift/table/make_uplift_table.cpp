@@ -113,7 +113,7 @@ void fill_column(std::size_t largest, std::size_t j, std::size_t k, const Mat3d&
   for (std::size_t i = middle + 1; i < kUpliftNodes; ++i) {
     const Vec3d color = color_at(i);
     // What is too bright to exist stays so when it becomes brighter still.
-    last = is_impossible ? nearest_optimal_colour(color, projection) : fit_from(i, last);
+    last = is_impossible ? nearest_optimal_color(color, projection) : fit_from(i, last);
     is_impossible =
         is_impossible || squared_miss_in_lab(last, color, projection) > kMissedInLab * kMissedInLab;
     store(i, last);

@@ -32,20 +32,25 @@ struct Job {
   std::size_t added_budget = 0;  ///< Primitives this subtree may have beyond those it begins with.
 };
 
-std::pair<Job, Job> split_job(const Job& job, const Split& split, std::size_t count,
-                              std::size_t below, std::size_t above) {
+// The jobs of both sides, still without a budget.
+std::pair<Job, Job> split_job(const Job& job, const Split& split) {
   Job low{job.cell, job.depth + 1, 0};
   Job high = low;
   low.cell.high[split.axis] = split.plane;
   high.cell.low[split.axis] = split.plane;
+  return {low, high};
+}
+
+// Shares what is left of the budget of a cell with `count` parts between its sides by theirs.
+void share_budget(const Job& job, std::size_t count, std::size_t below, std::size_t above,
+                  std::pair<Job, Job>& sides) {
   const std::size_t total = below + above;
   const std::size_t added = total > count ? total - count : 0;
   const std::size_t left = job.added_budget > added ? job.added_budget - added : 0;
-  low.added_budget =
+  sides.first.added_budget =
       static_cast<std::size_t>(static_cast<double>(left) * static_cast<double>(below) /
                                static_cast<double>(std::max<std::size_t>(total, 1)));
-  high.added_budget = left - low.added_budget;
-  return {low, high};
+  sides.second.added_budget = left - sides.first.added_budget;
 }
 
 /// Builds one subtree on one thread, its primitives on one stack.
@@ -79,10 +84,7 @@ class SubtreeBuilder {
       return index;
     }
     // Those below stay, packed at the front; those above go on top and are built first.
-    Box3f low_cell = job.cell;
-    Box3f high_cell = job.cell;
-    low_cell.high[split->axis] = split->plane;
-    high_cell.low[split->axis] = split->plane;
+    auto sides = split_job(job, *split);
     std::size_t kept = first;
     for (std::size_t i = first; i < first + count; ++i) {
       const BuildPrimitive p = stack_[i];
@@ -90,21 +92,19 @@ class SubtreeBuilder {
       const bool above = split->goes_above(p);
       if (below && above) {
         BuildPrimitive part = p;
-        if (clip_to_cell(shapes_, high_cell, part)) stack_.push_back(part);
+        if (clip_to_cell(shapes_, sides.second.cell, part)) stack_.push_back(part);
         part = p;
-        if (clip_to_cell(shapes_, low_cell, part)) stack_[kept++] = part;
+        if (clip_to_cell(shapes_, sides.first.cell, part)) stack_[kept++] = part;
       } else if (above) {
         stack_.push_back(p);
       } else {
         stack_[kept++] = p;
       }
     }
-    const std::size_t below_count = kept - first;
-    const std::size_t above_count = stack_.size() - (first + count);
-    const auto [low_job, high_job] = split_job(job, *split, count, below_count, above_count);
-    const std::uint32_t high = build_range(first + count, high_job);
+    share_budget(job, count, kept - first, stack_.size() - (first + count), sides);
+    const std::uint32_t high = build_range(first + count, sides.second);
     stack_.resize(kept);
-    const std::uint32_t low = build_range(first, low_job);
+    const std::uint32_t low = build_range(first, sides.first);
     tree_.nodes[index] = {static_cast<std::uint32_t>(split->axis), split->plane, low, high};
     return index;
   }
@@ -134,25 +134,22 @@ std::unique_ptr<Branch> build_branch(const ShapeSpans& shapes, const KdTreeConfi
     branch->subtree = SubtreeBuilder(shapes, config).build(std::move(primitives), job);
     return branch;
   }
-  Box3f low_cell = job.cell;
-  Box3f high_cell = job.cell;
-  low_cell.high[split->axis] = split->plane;
-  high_cell.low[split->axis] = split->plane;
+  auto sides = split_job(job, *split);
   std::vector<BuildPrimitive> low, high;
   for (const BuildPrimitive& p : primitives) {
     const bool below = split->goes_below(p);
     const bool above = split->goes_above(p);
     BuildPrimitive part = p;
-    if (below && (!above || clip_to_cell(shapes, low_cell, part))) low.push_back(part);
+    if (below && (!above || clip_to_cell(shapes, sides.first.cell, part))) low.push_back(part);
     part = p;
-    if (above && (!below || clip_to_cell(shapes, high_cell, part))) high.push_back(part);
+    if (above && (!below || clip_to_cell(shapes, sides.second.cell, part))) high.push_back(part);
   }
-  const auto jobs = split_job(job, *split, primitives.size(), low.size(), high.size());
+  share_budget(job, primitives.size(), low.size(), high.size(), sides);
   std::vector<BuildPrimitive>().swap(primitives);
   branch->split = *split;
   oneapi::tbb::parallel_invoke(
-      [&] { branch->below = build_branch(shapes, config, std::move(low), jobs.first); },
-      [&] { branch->above = build_branch(shapes, config, std::move(high), jobs.second); });
+      [&] { branch->below = build_branch(shapes, config, std::move(low), sides.first); },
+      [&] { branch->above = build_branch(shapes, config, std::move(high), sides.second); });
   return branch;
 }
 

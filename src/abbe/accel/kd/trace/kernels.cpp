@@ -50,12 +50,16 @@ struct LeftoverRays {
   }
 };
 
-struct ClosestOfLeftover {
+// The same as a stream.
+struct LeftoverStream {
   const LeftoverRays& from;
-  HitPacket* hits;
   std::size_t count;
   HWY_INLINE const Ray& ray(std::size_t i) const { return from.rays[i]; }
   HWY_INLINE Hit found(std::size_t i) const { return from.met[i]; }
+};
+
+struct ClosestOfLeftover : LeftoverStream {
+  HitPacket* hits;
   HWY_INLINE void finish(const RayState& ray) const {
     HitPacket& out = hits[from.packet[ray.index]];
     const auto lane = from.lane[ray.index];
@@ -66,12 +70,8 @@ struct ClosestOfLeftover {
   }
 };
 
-struct AnyOfLeftover {
-  const LeftoverRays& from;
+struct AnyOfLeftover : LeftoverStream {
   std::uint32_t* occluded;
-  std::size_t count;
-  HWY_INLINE const Ray& ray(std::size_t i) const { return from.rays[i]; }
-  HWY_INLINE Hit found(std::size_t i) const { return from.met[i]; }
   HWY_INLINE void finish(const RayState& ray) const {
     const std::uint32_t is_met = ray.hit.is_hit() ? 1u : 0u;
     occluded[from.packet[ray.index]] |= is_met << from.lane[ray.index];
@@ -146,7 +146,7 @@ struct ClosestSink {
     if (leftover.is_full()) flush();
   }
   HWY_NOINLINE void flush() {
-    TraceStream<false>(view, mask, ClosestOfLeftover{leftover, hits, leftover.count});
+    TraceStream<false>(view, mask, ClosestOfLeftover{{leftover, leftover.count}, hits});
     leftover.count = 0;
   }
 };
@@ -174,7 +174,7 @@ struct AnySink {
     if (leftover.is_full()) flush();
   }
   HWY_NOINLINE void flush() {
-    TraceStream<true>(view, mask, AnyOfLeftover{leftover, occluded, leftover.count});
+    TraceStream<true>(view, mask, AnyOfLeftover{{leftover, leftover.count}, occluded});
     leftover.count = 0;
   }
 };

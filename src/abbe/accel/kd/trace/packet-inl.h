@@ -99,7 +99,7 @@ struct PacketsInFlight {
       }
       taken |= place;
       p.stack.start(view.root, p.beam);
-      p.pop();
+      pop(p);
       PrefetchAll(view, p.current);
       lists.add(p.current, s);
     }
@@ -121,7 +121,7 @@ struct PacketsInFlight {
           },
           [&](std::size_t i) ABBE_INLINE_LAMBDA {
             const std::size_t s = lists.slot[WorkList::kInner][i];
-            states[s].pop();
+            pop(states[s]);
             PrefetchAll(view, states[s].current);
             lists.add(states[s].current, s);
           });
@@ -143,11 +143,11 @@ struct PacketsInFlight {
           if (HWY_LIKELY((p.current & kMixedBit) == 0)) {
             const TriangleBlock& block = view.block(p.current);
             TestPacketBlock<kAny>(view, block, mask, block_culled, p, candidates);
-            p.push_next_block(block.next_lines);
+            push_next_block(p, block.next_lines, p.farthest);
           } else {
             TestMixedPacketLeaf<kAny>(view, mask, block_culled, p, candidates);
           }
-          p.pop();
+          pop(p);
           if ((kAny && p.active == 0) || p.budget < 0) p.stop();
           PrefetchAll(view, p.current);
           lists.add(p.current, s);

@@ -85,23 +85,6 @@ struct alignas(64) RayState {
     sheared = ShearedRay(r);
     hit = found;
   }
-
-  /// Puts the block behind the current one on the stack, if there is one and the ray still needs
-  /// it: no branch to guess.
-  void push_next_block(std::uint32_t next_lines) {
-    stack.child[stack.top] = current + next_lines;
-    stack.t_near[stack.top] = t_near;
-    stack.t_far[stack.top] = t_far;
-    stack.top += next_lines != 0 && t_near <= hit.t ? 1 : 0;
-  }
-
-  /// Takes the nearest cell. What is behind the hit was dropped when that was met.
-  void pop() {
-    const int top = --stack.top;
-    current = stack.child[top];
-    t_near = stack.t_near[top];
-    t_far = stack.t_far[top];
-  }
 };
 
 /// The search of a ray in flight, as leaf/search.h has it.
@@ -155,23 +138,26 @@ struct alignas(64) PacketState : PacketRays<kWidth> {
   void stop() { current = kDoneChild; }
   /// Whether `apart` divides the active lanes.
   bool is_parted() const { return apart != 0 && apart != active; }
-
-  /// Puts the block behind the current one on the stack, if there is one and a ray still needs it:
-  /// no branch to guess.
-  void push_next_block(std::uint32_t next_lines) {
-    stack.child[stack.top] = current + next_lines;
-    stack.t_near[stack.top] = t_near;
-    stack.t_far[stack.top] = t_far;
-    stack.top += next_lines != 0 && t_near <= farthest ? 1 : 0;
-  }
-
-  /// Takes the nearest cell. What is behind all hits was dropped when they were met.
-  void pop() {
-    const int top = --stack.top;
-    current = stack.child[top];
-    t_near = stack.t_near[top];
-    t_far = stack.t_far[top];
-  }
 };
+
+/// Puts the block behind the current one on the stack of a ray or packet, if there is one and it
+/// begins before t_end: no branch to guess.
+template <class State>
+void push_next_block(State& state, std::uint32_t next_lines, float t_end) {
+  TraversalStack& stack = state.stack;
+  stack.child[stack.top] = state.current + next_lines;
+  stack.t_near[stack.top] = state.t_near;
+  stack.t_far[stack.top] = state.t_far;
+  stack.top += next_lines != 0 && state.t_near <= t_end ? 1 : 0;
+}
+
+/// Takes the nearest cell. What is behind all hits was dropped when they were met.
+template <class State>
+void pop(State& state) {
+  const int top = --state.stack.top;
+  state.current = state.stack.child[top];
+  state.t_near = state.stack.t_near[top];
+  state.t_far = state.stack.t_far[top];
+}
 
 }  // namespace abbe

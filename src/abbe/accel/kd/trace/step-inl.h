@@ -12,8 +12,8 @@
 #include <hwy/highway.h>
 
 #include "abbe/accel/kd/trace/beam-inl.h"
-#include "abbe/accel/kd/trace/order.h"
 #include "abbe/accel/kd/trace/state.h"
+#include "abbe/accel/kd/trace/step.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
@@ -108,41 +108,7 @@ HWY_INLINE void PushChildren(const WideNode& node, const Beam& beam, float t_nea
 
 HWY_INLINE void PushChildren(const WideNode& node, const Beam& beam, float t_near, float t_far,
                              float farthest, TraversalStack& stack) {
-  float enter[2][7], leave[2][7];
-  unsigned flips = 0;
-  for (int p = 0; p < 7; ++p) {
-    const unsigned axis = (node.axes >> (4 * p)) & 3u;
-    const float low_r = beam.reciprocal[axis];
-    const float high_r = beam.reciprocal[4 + axis];
-    const float below = (node.planes[p] - beam.origin[axis]) * low_r;
-    const float above = (node.planes[p] - beam.origin[4 + axis]) * high_r;
-    enter[0][p] = low_r > 0.0f ? -kInfinity : below;
-    leave[0][p] = low_r > 0.0f ? below : kInfinity;
-    enter[1][p] = high_r > 0.0f ? above : -kInfinity;
-    leave[1][p] = high_r > 0.0f ? kInfinity : above;
-    flips |= (node.planes[p] < beam.origin[axis] ? 1u : 0u) << p;
-  }
-  int top = stack.top;
-  for (int i = 0; i < 8; ++i) {
-    const unsigned c = kChildOrder.order[flips][i];
-    const KdChild child = node.children[c];
-    if (child == kEmptyChild) continue;
-    const unsigned s0 = c >> 2, s1 = c >> 1 & 1u, s2 = c & 1u;
-    const unsigned p1 = 1 + s0, p2 = 3 + (c >> 1);
-    float in = enter[s0][0] > enter[s1][p1] ? enter[s0][0] : enter[s1][p1];
-    if (enter[s2][p2] > in) in = enter[s2][p2];
-    if (t_near > in) in = t_near;
-    float out = leave[s0][0] < leave[s1][p1] ? leave[s0][0] : leave[s1][p1];
-    if (leave[s2][p2] < out) out = leave[s2][p2];
-    if (t_far < out) out = t_far;
-    if (in <= out && in <= farthest) {
-      stack.child[top] = child;
-      stack.t_near[top] = in;
-      stack.t_far[top] = out;
-      ++top;
-    }
-  }
-  stack.top = top;
+  push_children(node, beam, t_near, t_far, farthest, stack);
 }
 
 #endif

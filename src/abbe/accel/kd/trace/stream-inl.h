@@ -49,6 +49,26 @@ HWY_INLINE void Shorten(RayState& ray) {
   ray.stack.drop_behind(ray.hit.t);
 }
 
+// Hands rays that are done to the source, and starts new ones in their place.
+template <class Source>
+HWY_INLINE void Refill(const KdView& view, const Source& source, const BeamMaker& beams,
+                       RayState* states, WorkLists<kInterleaved>& lists, std::size_t& next) {
+  const std::size_t done = lists.count[WorkList::kDone];
+  lists.count[WorkList::kDone] = 0;
+  for (std::size_t i = 0; i < done; ++i) {
+    const std::size_t s = lists.slot[WorkList::kDone][i];
+    RayState& ray = states[s];
+    if (ray.ray != nullptr) source.finish(ray);
+    if (next == source.count) continue;
+    beams.make(source.ray(next), ray.beam);
+    ray.start(source.ray(next), source.found(next), next);
+    ray.stack.start(view.root, ray.beam);
+    pop(ray);
+    ++next;
+    lists.add(ray.current, s);
+  }
+}
+
 // Traces the rays source.ray(i), i < source.count, that have met source.found(i) already, and hands
 // each to source.finish() when it is done.
 template <bool kAny, class Source>
@@ -57,7 +77,6 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
   BlockResult results[kLag + 1];
   WorkLists<kInterleaved> lists{};
   const BeamMaker beams(view.bounds);
-  const std::size_t count = source.count;
   for (std::size_t s = 0; s < kInterleaved; ++s) {
     lists.slot[WorkList::kDone][s] = static_cast<std::uint8_t>(s);
     states[s].ray = nullptr;
@@ -65,21 +84,7 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
   lists.count[WorkList::kDone] = kInterleaved;
   std::size_t next = 0;
   while (true) {
-    // New rays for those that are done.
-    const std::size_t done = lists.count[WorkList::kDone];
-    lists.count[WorkList::kDone] = 0;
-    for (std::size_t i = 0; i < done; ++i) {
-      const std::size_t s = lists.slot[WorkList::kDone][i];
-      RayState& ray = states[s];
-      if (ray.ray != nullptr) source.finish(ray);
-      if (next == count) continue;
-      beams.make(source.ray(next), ray.beam);
-      ray.start(source.ray(next), source.found(next), next);
-      ray.stack.start(view.root, ray.beam);
-      ray.pop();
-      ++next;
-      lists.add(ray.current, s);
-    }
+    Refill(view, source, beams, states, lists, next);
     const std::size_t inner = lists.count[WorkList::kInner];
     const std::size_t leaves = lists.count[WorkList::kLeaf];
     if (inner == 0 && leaves == 0) {
@@ -99,7 +104,7 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
           [&](std::size_t i) ABBE_INLINE_LAMBDA {
             const std::size_t s = lists.slot[WorkList::kInner][i];
             RayState& ray = states[s];
-            ray.pop();
+            pop(ray);
             PrefetchAll(view, ray.current);
             lists.add(ray.current, s);
           });
@@ -124,12 +129,12 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
                 ShowCandidates(block, result, search);
                 Shorten<kAny>(ray);
               }
-              ray.push_next_block(block.next_lines);
+              push_next_block(ray, block.next_lines, ray.hit.t);
             } else {
               TestMixedLeaf(view, mask, ray);
               Shorten<kAny>(ray);
             }
-            ray.pop();
+            pop(ray);
             PrefetchAll(view, ray.current);
             lists.add(ray.current, s);
           });

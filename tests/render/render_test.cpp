@@ -228,7 +228,8 @@ TEST(RenderTest, cost_of_a_pixel_is_the_work_of_its_rays_traced_alone) {
   for (const int x : {0, 4}) {
     const CameraSample sample = camera_sample(world, scene.cameras.front(), settings, {x, 4}, 0);
     QueryCost cost;
-    world.accelerator->closest_hit_with_cost({sample.origin, kInfinity, sample.direction}, kAllBits, cost);
+    world.accelerator->closest_hit_with_cost({sample.origin, kInfinity, sample.direction}, kAllBits,
+                                             cost);
     // One sample a pixel; its emitter sends no further ray and no lamp asks for a shadow.
     EXPECT_EQ(test::pixel(image, x, 4, "cost.nodes"), static_cast<float>(cost.nodes));
     EXPECT_EQ(test::pixel(image, x, 4, "cost.triangles"), static_cast<float>(cost.primitives));

@@ -88,7 +88,7 @@ std::unique_ptr<const Accelerator> build_accelerator(std::string_view name,
   for (const Kind& kind : kKinds) {
     if (name == kind.name) return kind.build(shapes);
   }
-  throw_usage_error("accelerator", std::string(name), "the name of one", accelerator_names());
+  throw_usage_error("accelerator", std::string(name), "an accelerator", accelerator_names());
 }
 
 }  // namespace abbe

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "abbe/accel/accelerator.h"
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
 #include "abbe/film/filter.h"
@@ -99,6 +100,11 @@ void check_settings(const RenderSettings& settings) {
   check_range("threads", settings.threads, 0, 4096);
   check_wavelengths(settings);
   (void)Filter::named(settings.filter);
+  const std::vector<std::string>& accelerators = accelerator_names();
+  if (std::find(accelerators.begin(), accelerators.end(), settings.accelerator) ==
+      accelerators.end()) {
+    throw_usage_error("accelerator", settings.accelerator, "an accelerator", accelerators);
+  }
   const std::vector<std::string> names = aov_names();
   for (const std::string& aov : settings.aovs) {
     if (std::find(names.begin(), names.end(), aov) == names.end()) {

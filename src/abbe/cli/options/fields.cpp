@@ -13,7 +13,8 @@ struct Field {
   std::string_view name, option;
 };
 
-constexpr std::array<Field, 32> kFields{{{"adaptation", "--adaptation"},
+constexpr std::array<Field, 33> kFields{{{"accelerator", "--accel"},
+                                         {"adaptation", "--adaptation"},
                                          {"aovs", "--aov"},
                                          {"bands", "--bands"},
                                          {"camera", "--camera"},

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "abbe/accel/accelerator.h"
 #include "abbe/base/error.h"
 #include "abbe/cli/options/typed.h"
 #include "abbe/film/filter.h"
@@ -56,6 +57,9 @@ void add_view_options(CLI::App& command, SceneOptions& options) {
              fmt::format("most reflections inside a body on a path from a lamp (default: {})",
                          settings.inner_reflections));
   add_number(command, "--seed", settings.seed, "N", "of the sampling pattern (default: 0)");
+  add_shown(command, "--accel", settings.accelerator, "NAME",
+            fmt::format("what finds where rays meet surfaces: {}; shapes no image (default: {})",
+                        fmt::join(accelerator_names(), ", "), settings.accelerator));
 }
 
 void resolve_settings(SceneOptions& options) {

@@ -40,6 +40,7 @@ nlohmann::json stats_json(const World& world, const Film& film, const RenderResu
                      {"write", times.write_seconds},
                      {"total", times.total_seconds}};
   json["threads"] = threads;
+  json["accelerator"] = world.accelerator->name();
   json["rays"] = {{"camera", stats.camera_rays},
                   {"reflected", stats.reflected_rays},
                   {"refracted", stats.refracted_rays},

@@ -135,35 +135,47 @@ struct alignas(64) Candidates {
   std::uint32_t id[kBlockTriangles];
 };
 
+// The coordinates of the vertices of a block along the axes of a ray, and if kRelative relative to
+// where it begins. Held by value: what a kernel stores might otherwise change them.
+template <bool kRelative>
+struct VertexPlaces {
+  const float *x, *y, *z;
+  ShearAxes axes;
+
+  HWY_INLINE VertexPlaces(const TriangleBlock& block, const CulledBlock& culled,
+                          const ShearAxes& to)
+      : x(kRelative ? culled.vertices[to.x] : block.row(to.x)),
+        y(kRelative ? culled.vertices[to.y] : block.row(to.y)),
+        z(kRelative ? culled.vertices[to.z] : block.row(to.z)),
+        axes(to) {}
+};
+
 // The triangles that culling left against lanes [i, i + Lanes); returns how many may be hit. No
 // branch depends on the outcome of a test.
 template <bool kAny, bool kCommonOrigin, int kLanes>
-HWY_INLINE std::size_t FindCandidates(const TriangleBlock& block, const CulledBlock& culled,
-                                      const ShearAxes& axes, const PacketRays<kLanes>& p,
+HWY_INLINE std::size_t FindCandidates(const TriangleBlock& block, std::uint32_t near,
+                                      VertexPlaces<kCommonOrigin> rows, const PacketRays<kLanes>& p,
                                       std::size_t i, Candidates<kLanes>& found) {
   const LaneF d;
   using V = hn::Vec<LaneF>;
-  const float* const row_x = kCommonOrigin ? culled.vertices[axes.x] : block.row(axes.x);
-  const float* const row_y = kCommonOrigin ? culled.vertices[axes.y] : block.row(axes.y);
-  const float* const row_z = kCommonOrigin ? culled.vertices[axes.z] : block.row(axes.z);
   const V sx = hn::Load(d, p.shear_x + i);
   const V sy = hn::Load(d, p.shear_y + i);
   const V sz = hn::Load(d, p.shear_z + i);
   const V last_t = hn::Mul(hn::Load(d, p.hits.t + i), hn::Set(d, kNearMargin));
-  const V ox = hn::Load(d, p.origin[axes.x] + i);
-  const V oy = hn::Load(d, p.origin[axes.y] + i);
-  const V oz = hn::Load(d, p.origin[axes.z] + i);
+  const V ox = hn::Load(d, p.origin[rows.axes.x] + i);
+  const V oy = hn::Load(d, p.origin[rows.axes.y] + i);
+  const V oz = hn::Load(d, p.origin[rows.axes.z] + i);
   const auto relative = [&](const float* row, std::size_t vertex, V origin) ABBE_INLINE_LAMBDA {
     const V position = hn::Set(d, row[vertex]);
     return kCommonOrigin ? position : hn::Sub(position, origin);
   };
   const auto corner = [&](std::size_t vertex, V& x, V& y, V& z) ABBE_INLINE_LAMBDA {
-    z = relative(row_z, vertex, oz);
-    x = hn::Sub(relative(row_x, vertex, ox), hn::Mul(sx, z));
-    y = hn::Sub(relative(row_y, vertex, oy), hn::Mul(sy, z));
+    z = relative(rows.z, vertex, oz);
+    x = hn::Sub(relative(rows.x, vertex, ox), hn::Mul(sx, z));
+    y = hn::Sub(relative(rows.y, vertex, oy), hn::Mul(sy, z));
   };
   std::size_t count = 0;
-  for (std::uint32_t near = culled.near; near != 0; near &= near - 1) {
+  for (; near != 0; near &= near - 1) {
     const auto k = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(near));
     ShearedCorners c;
     corner(block.corners[0][k], c.ax, c.ay, c.az);
@@ -240,10 +252,11 @@ template <bool kAny, bool kCommonOrigin, int kLanes>
 HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const CulledBlock& culled,
                                        const ShearGroup& group, PacketRays<kLanes>& p,
                                        Candidates<kLanes>& found) {
+  const VertexPlaces<kCommonOrigin> rows(block, culled, group.axes);
   std::uint32_t lanes = 0;
   for (std::size_t i = 0; i < kLanes; i += hn::Lanes(LaneF())) {
     const std::size_t count =
-        FindCandidates<kAny, kCommonOrigin>(block, culled, group.axes, p, i, found);
+        FindCandidates<kAny, kCommonOrigin>(block, culled.near, rows, p, i, found);
     if (count == 0) continue;
     if constexpr (kAny) {
       lanes |= HitsAny(found, count, p, i) & group.lanes;

@@ -19,6 +19,8 @@ void unpack(const RayPacket& packet, Ray* rays) {
   }
 }
 
+// What is known by name: another accelerator is a folder beside these two, and a line here. Tests
+// of hits then run over it too.
 struct Kind {
   const char* name;
   std::unique_ptr<const Accelerator> (*build)(const ShapeSpans&);

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "abbe/integrate/surface/point.h"
-#include "abbe/math/sampling.h"
+#include "abbe/math/random.h"
 #include "support/scene_builder.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -72,7 +72,7 @@ HWY_EXPORT(Fill);
 struct Shot {
   explicit Shot(const Scene& scene) : world(test::make_world(scene, test::small_settings())) {
     for (std::uint32_t i = 0; i < 4096; ++i) {
-      const Vec2f u = scrambled_sobol_2d(i, 1, 7);
+      const Vec2f u = random_2d({7, i}, kCameraPath, Purpose::Lens);
       const float z = 1.0f - 2.0f * u.x;
       const float r = std::sqrt(std::max(1.0f - z * z, 0.0f));
       const float phi = 6.2831853f * u.y;

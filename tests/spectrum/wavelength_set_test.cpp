@@ -9,6 +9,8 @@
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
 #include "abbe/load/spectra/catalogue.h"
+#include "abbe/math/random.h"
+#include "abbe/math/sampling.h"
 #include "abbe/spectrum/wavelength_density.h"
 
 namespace abbe {
@@ -38,6 +40,11 @@ WavelengthQuadrature quadrature(int count, const std::vector<Spectrum>& lamps) {
   return WavelengthQuadrature(options, data().observer, lamps);
 }
 
+// The set of a sample by the plain sequence of shifts, scrambled by the low 8 bits of `scramble`.
+int set_of(const WavelengthQuadrature& sets, std::uint32_t sample, std::uint32_t scramble) {
+  return sets.set_of(unit_float(reverse_bits(sample) ^ (scramble << 24)));
+}
+
 // Tristimulus values of the light on a flat reflector, as a film adds them up over samples.
 class Eye {
  public:
@@ -60,7 +67,7 @@ class Eye {
   Vec3d mean(int samples, std::uint32_t scramble) const {
     Vec3d sum(0.0);
     for (int i = 0; i < samples; ++i) {
-      sum += sample(sets_.set_of(static_cast<std::uint32_t>(i), scramble));
+      sum += sample(set_of(sets_, static_cast<std::uint32_t>(i), scramble));
     }
     return sum / static_cast<double>(samples);
   }
@@ -137,7 +144,7 @@ TEST(WavelengthQuadrature, first_powers_of_two_of_samples_divide_the_stratum_eve
       const int samples = 1 << bits;
       std::set<int> parts;
       for (int i = 0; i < samples; ++i) {
-        const int set = sets.set_of(static_cast<std::uint32_t>(i), scramble);
+        const int set = set_of(sets, static_cast<std::uint32_t>(i), scramble);
         ASSERT_GE(set, 0);
         ASSERT_LT(set, 256);
         parts.insert(set / (256 / samples));
@@ -147,16 +154,14 @@ TEST(WavelengthQuadrature, first_powers_of_two_of_samples_divide_the_stratum_eve
   }
 }
 
-TEST(WavelengthQuadrature, centred_scramble_puts_shifts_in_the_middle_of_their_parts) {
+TEST(WavelengthQuadrature, samples_of_a_pixel_take_the_sets_of_their_shifts) {
   const WavelengthQuadrature sets = quadrature(16, {data().d65});
-  for (const int samples : {1, 2, 4, 16, 64}) {
-    const int part = 256 / samples;
-    for (int i = 0; i < samples; ++i) {
-      const int set = sets.set_of(static_cast<std::uint32_t>(i),
-                                  WavelengthQuadrature::centred_scramble(samples));
-      EXPECT_EQ(set % part, part / 2) << samples;
-    }
+  for (std::uint32_t i = 0; i < 16; ++i) {
+    // 16 shifts lie in the middles of their parts: the midpoint rule.
+    EXPECT_EQ(sets.set_of(wavelength_shift(i)) % 16, 8);
   }
+  EXPECT_EQ(sets.set_of(0.0f), 0);
+  EXPECT_EQ(sets.set_of(std::nextafter(1.0f, 0.0f)), 255);
 }
 
 TEST(WavelengthQuadrature, white_under_d65_converges_as_promised_for_every_scramble) {
@@ -181,7 +186,7 @@ TEST(WavelengthQuadrature, white_converges_by_the_plain_weights_alone) {
   for (std::uint32_t scramble = 0; scramble < 500; ++scramble) {
     Vec3d sum(0.0);
     for (std::uint32_t i = 0; i < 16; ++i) {
-      const int set = sets.set_of(i, scramble);
+      const int set = set_of(sets, i, scramble);
       for (int channel = 0; channel < 3; ++channel) {
         for (int lane = 0; lane < 16; ++lane) {
           const int at = set * 16 + lane;
@@ -246,7 +251,7 @@ TEST(WavelengthQuadrature, sodium_lamp_alone_needs_two_lanes_and_one_set) {
   EXPECT_EQ(sets.set_count(), 1);
   EXPECT_EQ(sets.kinds()[0], LaneKind::Line);
   EXPECT_FLOAT_EQ(sets.wavelengths_nm(0)[1], 589.592f);
-  EXPECT_EQ(sets.set_of(9, 1234), 0);
+  EXPECT_EQ(sets.set_of(0.7f), 0);
   const Vec3d exact = xyz_of(sodium, data().observer);
   EXPECT_LT(worst_ratio(Eye(sets, sodium).sample(0), exact), 1e-6);  // single precision
 }

@@ -17,7 +17,7 @@
 #include "abbe/integrate/integrator.h"
 #include "abbe/integrate/lit_surface.h"
 #include "abbe/integrate/surface/point_lanes-inl.h"
-#include "abbe/math/sampling.h"
+#include "abbe/math/random.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
@@ -134,7 +134,7 @@ class Branching {
     if (std::count_if(weights.begin(), weights.end(), has_weight) < 2) return;
     std::size_t last = weights.size() - 1;
     while (!has_weight(weights[last])) --last;
-    const float u = unit_float(static_cast<std::uint32_t>(hash64(fan.path ^ 0x6272616e6368ull)));
+    const float u = random_1d(samples_[fan.sample].chance, fan.path, Purpose::Roulette);
     std::size_t kept = 0;
     float before = 0.0f;
     float probability = weights[0] / weight;
@@ -194,7 +194,7 @@ class Branching {
       SetLanesFrom(d, hn::Gt(hn::Load(d, child.throughput.v + i), hn::Zero(d)), i, fan.lanes);
     }
     fan.lanes = fan.lanes & child.lanes;
-    fan.path = hash64(parent.path + static_cast<std::uint64_t>(child.made_by));
+    fan.path = path_after(parent.path, static_cast<std::uint32_t>(child.made_by));
     fan.sample = parent.sample;
     fan.weight = child.weight;
     fan.path_length_m = at.path_length_m;

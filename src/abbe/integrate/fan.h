@@ -10,6 +10,7 @@
 #include "abbe/integrate/fan_origin.h"
 #include "abbe/integrate/surface/media.h"
 #include "abbe/math/lane_mask.h"
+#include "abbe/math/random.h"
 #include "abbe/math/vec.h"
 
 namespace abbe {
@@ -23,10 +24,10 @@ struct Fan {
   Vec3f origin{0.0f};     ///< Of a united fan.
   Vec3f direction{0.0f};  ///< Of a united fan; unit length.
   LaneMask lanes;
-  std::uint64_t path = 0;    ///< Hash of the choices since the camera.
-  std::uint32_t sample = 0;  ///< Which camera sample of the wave.
-  std::uint32_t data = 0;    ///< Offset of its lanes in the list's pool.
-  float weight = 1.0f;       ///< Σ throughput × importance.
+  std::uint64_t path = kCameraPath;  ///< What happened since the camera (math/random.h).
+  std::uint32_t sample = 0;          ///< Which camera sample of the wave.
+  std::uint32_t data = 0;            ///< Offset of its lanes in the list's pool.
+  float weight = 1.0f;               ///< Σ throughput × importance.
   float path_length_m = 0.0f;
   std::uint16_t depth = 0;
   FanOrigin made_by = FanOrigin::Camera;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "abbe/integrate/record.h"
+#include "abbe/math/random.h"
 #include "abbe/math/ray.h"
 #include "abbe/world/world.h"
 
@@ -60,9 +61,9 @@ struct CameraSample {
   std::array<Vec3f, 2> origin_per_px{Vec3f(0.0f), Vec3f(0.0f)};
   std::array<Vec3f, 2> direction_per_px{Vec3f(0.0f), Vec3f(0.0f)};
   Vec2f offset_px{0.0f};
-  int set = 0;             ///< Wavelength set.
-  std::uint32_t seed = 0;  ///< Its random numbers; own to the sample.
-  float u_fog = 0.5f;      ///< In [0, 1): place in fog, stratified over the samples of a pixel.
+  int set = 0;          ///< Wavelength set.
+  SampleChance chance;  ///< What its random numbers belong to.
+  float u_fog = 0.5f;   ///< In [0, 1): place in fog, stratified over the samples of a pixel.
 };
 
 /// What a camera ray met first, for extra channels.

@@ -24,7 +24,7 @@
 #include "abbe/integrate/surface/material_lanes-inl.h"
 #include "abbe/integrate/surface/material_sample.h"
 #include "abbe/integrate/surface/microfacet_lanes-inl.h"
-#include "abbe/math/sampling.h"
+#include "abbe/math/random.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
@@ -72,7 +72,6 @@ class Tracer {
     fan.origin = samples_[sample].origin;
     fan.direction = samples_[sample].direction;
     fan.lanes = LaneMask::first(world_.lanes.lane_count());
-    fan.path = hash64(samples_[sample].seed);
     fan.sample = sample;
     fan.data = list.reserve_lanes(false, stride_);
     for (int lane = 0; lane < stride_; ++lane) {
@@ -227,10 +226,8 @@ class Tracer {
   }
 
   // The random choice of a microfacet.
-  static Vec2f facet_choice(const Fan& fan) {
-    const std::uint64_t bits = hash64(fan.path ^ 0x6d6963726f66ull);
-    return {unit_float(static_cast<std::uint32_t>(bits)),
-            unit_float(static_cast<std::uint32_t>(bits >> 32))};
+  Vec2f facet_choice(const Fan& fan) const {
+    return random_2d(samples_[fan.sample].chance, fan.path, Purpose::Microfacet);
   }
 
   void keep_albedo(const Fan& fan, const LaneArray& base_color) const {

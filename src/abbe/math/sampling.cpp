@@ -48,9 +48,4 @@ std::uint32_t owen_scrambled(std::uint32_t fraction, std::uint32_t seed) {
   return reverse_bits(x);
 }
 
-Vec2f scrambled_sobol_2d(std::uint32_t index, int first_dimension, std::uint32_t seed) {
-  return {unit_float(owen_scrambled(sobol(index, first_dimension), hash32(seed, 0x51ed27u))),
-          unit_float(owen_scrambled(sobol(index, first_dimension + 1), hash32(seed, 0xa3b19cu)))};
-}
-
 }  // namespace abbe

@@ -1,9 +1,7 @@
-/// Sample sequences and hashes: everything random in the renderer comes from here.
+/// Sample sequences and hashes, of which random.h makes the numbers of each use.
 #pragma once
 
 #include <cstdint>
-
-#include "abbe/math/vec.h"
 
 namespace abbe {
 
@@ -50,9 +48,5 @@ std::uint32_t sobol(std::uint32_t index, int dimension);
 /// The fraction after a nested uniform (Owen) scramble chosen by `seed`: every power-of-two
 /// stratification is kept. Source: Laine & Karras, CGF 30(4), 2011; Burley, JCGT 9(4), 2020.
 std::uint32_t owen_scrambled(std::uint32_t fraction, std::uint32_t seed);
-
-/// Sample `index` of a pixel in two dimensions of Sobol's sequence, scrambled by `seed`.
-/// Shape:  in [0, 1)²; the first 2^k points are stratified.
-Vec2f scrambled_sobol_2d(std::uint32_t index, int first_dimension, std::uint32_t seed);
 
 }  // namespace abbe

@@ -7,11 +7,12 @@
 #include <atomic>
 #include <bit>
 #include <chrono>
+#include <cmath>
 #include <mutex>
 
 #include "abbe/film/filter.h"
 #include "abbe/image/exr/exr.h"
-#include "abbe/math/sampling.h"
+#include "abbe/math/random.h"
 #include "abbe/render/band_weights.h"
 #include "abbe/render/camera_rays.h"
 
@@ -24,11 +25,6 @@ constexpr std::size_t kWaveSamples = 512;
 /// Depth of pixels that see nothing: far, but finite, so that it can be averaged and displayed.
 constexpr float kNoDepth = 1e10f;
 
-std::uint32_t pixel_hash(const Vec2i& pixel, std::uint32_t seed) {
-  return hash32(hash32(static_cast<std::uint32_t>(pixel.x), static_cast<std::uint32_t>(pixel.y)),
-                seed);
-}
-
 /// Draws the camera samples of a render.
 class SampleSource {
  public:
@@ -40,25 +36,19 @@ class SampleSource {
         strata_(static_cast<float>(
             std::bit_ceil(static_cast<std::uint32_t>(settings.samples_per_pixel)))) {}
 
-  // Every pixel takes the same wavelengths, in the middle of their strata: a quadrature rule has no
-  // noise, and neighbours that see the same light get the same colour.
   int set_of(std::uint32_t index) const {
     const WavelengthQuadrature* quadrature = world_.lanes.quadrature();
-    if (quadrature == nullptr) return 0;
-    return quadrature->set_of(index,
-                              WavelengthQuadrature::centred_scramble(settings_.samples_per_pixel));
+    return quadrature == nullptr ? 0 : quadrature->set_of(centred(wavelength_shift(index)));
   }
 
   CameraSample sample(const Vec2i& pixel, std::uint32_t index,
                       const std::optional<Vec2f>& offset_px, float* weight) const {
-    const std::uint32_t hash = pixel_hash(pixel, settings_.seed);
     CameraSample sample;
     sample.set = set_of(index);
-    sample.seed = hash32(hash, index ^ 0x9d2c5680u);
-    // Dimension 0 of the sequence chooses the wavelengths; the film takes the next two and fog
-    // the last, so that none of them are tied together.
-    sample.u_fog = unit_float(owen_scrambled(sobol(index, 3), hash32(hash, 0x666f67u)));
-    FilterSample place = filter_.sample(centred(scrambled_sobol_2d(index, 1, hash)));
+    sample.chance = {pixel_chance(pixel, settings_.seed), index};
+    sample.u_fog = random_1d(sample.chance, kCameraPath, Purpose::Fog);
+    const Vec2f u = random_2d(sample.chance, kCameraPath, Purpose::Film);
+    FilterSample place = filter_.sample({centred(u.x), centred(u.y)});
     if (offset_px) place.offset_px = *offset_px;
     *weight = place.weight;
     sample.offset_px = place.offset_px;
@@ -67,10 +57,10 @@ class SampleSource {
   }
 
  private:
-  // The middle of each of the strata that 2^k samples of a pixel fill along each axis: where light
-  // changes evenly across a pixel, as in a fringe, its samples then have no noise. Which stratum of
-  // one axis goes with which of the other is scrambled from pixel to pixel.
-  Vec2f centred(const Vec2f& u) const { return (glm::floor(u * strata_) + 0.5f) / strata_; }
+  // The middle of the finest stratum that the samples of a pixel can fill: a quadrature rule, where
+  // light changes evenly across a pixel or a stratum of wavelengths. A bound of their number is
+  // enough; coarser strata, and so shorter prefixes, are filled as before.
+  float centred(float u) const { return (std::floor(u * strata_) + 0.5f) / strata_; }
 
   const World& world_;
   const RenderSettings& settings_;

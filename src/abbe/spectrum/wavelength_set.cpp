@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
-#include "abbe/math/sampling.h"
 #include "abbe/spectrum/wavelength_density.h"
 
 namespace abbe {
@@ -176,17 +174,8 @@ WavelengthQuadrature::WavelengthQuadrature(const WavelengthOptions& options,
   }
 }
 
-int WavelengthQuadrature::set_of(std::uint32_t sample, std::uint32_t scramble) const {
-  if (set_count_ == 1) return 0;
-  static_assert(kShiftCount == 256);
-  return static_cast<int>((reverse_bits(sample) >> 24) ^ (scramble & 0xffu));
-}
-
-std::uint32_t WavelengthQuadrature::centred_scramble(int samples) {
-  // 2^k shifts in base-2 order are the multiples of 256/2^k; half that step moves them to the
-  // middle.
-  const int bits = std::bit_width(static_cast<std::uint32_t>(std::max(samples, 1) - 1));
-  return 0x80u >> bits;
+int WavelengthQuadrature::set_of(float shift) const {
+  return static_cast<int>(shift * static_cast<float>(set_count_));
 }
 
 std::span<const float> WavelengthQuadrature::wavelengths_nm(int set) const {

@@ -31,9 +31,8 @@ struct WavelengthOptions {
 ///
 /// The strata of a set have equal mass under a density made from the observer and the scene's
 /// lamps, mixed with the uniform one; set s takes the point at (i + shift(s))/N of each stratum.
-/// The shifts are kShiftCount equidistant ones, taken in base-2 (van der Corput) order, so that
-/// the first 2^k samples of a pixel divide every stratum evenly. All pixels share the family, so
-/// that spectra are tabulated once per set (see rows) and never while rays are traced.
+/// The shifts are kShiftCount equidistant ones. All pixels share the family, so that spectra are
+/// tabulated once per set (see rows) and never while rays are traced.
 class WavelengthQuadrature {
  public:
   static constexpr int kShiftCount = 256;
@@ -49,13 +48,9 @@ class WavelengthQuadrature {
   /// Number of different sets: kShiftCount, or 1 when every lane is exact or a line.
   int set_count() const { return set_count_; }
 
-  /// The set of sample `sample`: the base-2 sequence of shifts, scrambled by exclusive or with the
-  /// low 8 bits of `scramble`. Under every scramble the first 2^k samples are evenly spread.
-  int set_of(std::uint32_t sample, std::uint32_t scramble) const;
-
-  /// The scramble that puts `samples` shifts in the middle of their parts of a stratum: the
-  /// midpoint rule, for light that begins or ends within a stratum.
-  static std::uint32_t centred_scramble(int samples);
+  /// The set whose wavelengths are shifted by a share of their strata.
+  /// Domain: `shift` in [0, 1), of math/random.h's wavelength_shift() for the samples of a pixel.
+  int set_of(float shift) const;
 
   /// The part of the spectrum that is rendered.
   double range_min_nm() const { return range_min_nm_; }

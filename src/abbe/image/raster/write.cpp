@@ -14,7 +14,7 @@
 #include "abbe/base/parallel.h"
 #include "abbe/image/raster/png_tags.h"
 #include "abbe/image/raster/raster.h"
-#include "abbe/math/sampling.h"
+#include "abbe/math/random.h"
 
 namespace abbe {
 namespace {
@@ -27,15 +27,6 @@ std::string format_of(const std::filesystem::path& file) {
   if (suffix == ".jpg" || suffix == ".jpeg") return "jpeg";
   if (suffix == ".tif" || suffix == ".tiff") return "tiff";
   throw_output_error(file.string(), "suffix '" + suffix + "'", ".png, .jpg, .jpeg, .tif or .tiff");
-}
-
-// The sum of two uniform numbers, in (−1, 1); of a place in the full image, so that a crop has the
-// grain of the whole.
-float triangular_noise(const Vec2i& place, std::size_t channel) {
-  const std::uint32_t bits =
-      hash32(hash32(static_cast<std::uint32_t>(place.x), static_cast<std::uint32_t>(place.y)),
-             static_cast<std::uint32_t>(channel));
-  return unit_float(bits) - unit_float(hash32(bits ^ 0x5bd1e995u));
 }
 
 // The nearest code of `largest` + 1. NaN fails the comparison and becomes black.
@@ -58,7 +49,7 @@ std::vector<Code> codes_of(const Image& image, const std::array<std::size_t, 3>&
       const std::size_t p = y * width + x;
       const Vec2i place = image.data_origin + Vec2i(static_cast<int>(x), static_cast<int>(y));
       for (std::size_t c = 0; c < 3; ++c) {
-        const float noise = dither ? triangular_noise(place, c) : 0.0f;
+        const float noise = dither ? dither_noise(place, static_cast<std::uint32_t>(c)) : 0.0f;
         codes[p * 3 + c] = code_of<Code>(image.pixels[p * channels + rgb[c]], noise);
       }
     }

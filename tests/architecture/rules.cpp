@@ -12,9 +12,10 @@ namespace {
 
 const std::map<std::string, int, std::less<>>& floors() {
   static const std::map<std::string, int, std::less<>> kFloors = {
-      {"base", 0},      {"math", 1},   {"spectrum", 2}, {"accel", 2},  {"optics", 3},  {"color", 3},
-      {"scene", 4},     {"image", 4},  {"load", 5},     {"film", 5},   {"display", 5}, {"world", 5},
-      {"integrate", 6}, {"render", 7}, {"session", 8},  {"report", 9}, {"cli", 10}};
+      {"base", 0},    {"math", 1},    {"spectrum", 2}, {"accel", 2},     {"optics", 3},
+      {"color", 3},   {"scene", 4},   {"image", 4},    {"load", 5},      {"film", 5},
+      {"display", 5}, {"world", 5},   {"caustics", 6}, {"integrate", 7}, {"render", 8},
+      {"session", 9}, {"report", 10}, {"cli", 11}};
   return kFloors;
 }
 

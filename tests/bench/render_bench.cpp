@@ -80,7 +80,7 @@ void compare_carriers(Bench& bench, const Subject& subject, const std::string& k
 
 void report_fans(Bench& bench, const Subject& subject, const std::string& key, const Vec2i& size) {
   const RenderSettings settings = settings_of(Mode::Spectral, size, 4);
-  const World world = test::make_world(subject.scene, settings);
+  const LitWorld world = test::make_world(subject.scene, settings);
   const Timed timed = timed_render(world, subject.camera, settings);
   const IntegratorStats& s = timed.stats;
   fmt::print("{}: {:.3f} million spread fans/s, queue at most {} fans of {}, {:.2f} MB\n",
@@ -109,7 +109,7 @@ void compare_threads(Bench& bench, const Subject& subject, int repeats) {
   for (const int threads : {1, 2}) {
     RenderSettings settings = settings_of(Mode::Spectral, {960, 540}, 1);
     settings.threads = threads;
-    auto world = std::make_shared<World>(test::make_world(subject.scene, settings));
+    auto world = std::make_shared<LitWorld>(test::make_world(subject.scene, settings));
     jobs.push_back(
         {fmt::format("{} thread{}", threads, threads > 1 ? "s" : ""), [world, &subject, settings] {
            return timed_render(*world, subject.camera, settings).wall_seconds;

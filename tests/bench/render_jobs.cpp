@@ -29,7 +29,7 @@ std::vector<double> least_seconds(const std::vector<Job>& jobs, int repeats) {
   return least;
 }
 
-Timed timed_render(const World& world, const Camera& camera, const RenderSettings& settings) {
+Timed timed_render(const LitWorld& world, const Camera& camera, const RenderSettings& settings) {
   const ThreadLimit limit(settings.threads);
   const double start = cpu_seconds(RUSAGE_SELF);
   const test::Rendered result = test::render(world, camera, settings);
@@ -46,7 +46,7 @@ RenderSettings settings_of(Mode mode, const Vec2i& size, int samples) {
 }
 
 Job job(const std::string& name, const Subject& subject, const RenderSettings& settings) {
-  auto world = std::make_shared<World>(test::make_world(subject.scene, settings));
+  auto world = std::make_shared<LitWorld>(test::make_world(subject.scene, settings));
   return {name, [world, &subject, settings] {
             return timed_render(*world, subject.camera, settings).cpu_seconds;
           }};

@@ -36,7 +36,7 @@ struct Timed {
   double cpu_seconds = 0.0, wall_seconds = 0.0;
 };
 
-Timed timed_render(const World& world, const Camera& camera, const RenderSettings& settings);
+Timed timed_render(const LitWorld& world, const Camera& camera, const RenderSettings& settings);
 
 /// On one thread.
 RenderSettings settings_of(Mode mode, const Vec2i& size, int samples);

@@ -30,7 +30,7 @@ struct Traced {
   IntegratorStats stats;
 };
 
-Traced trace_all(const World& world, const Camera& camera, const RenderSettings& settings,
+Traced trace_all(const LitWorld& world, const Camera& camera, const RenderSettings& settings,
                  const IntegratorSettings& integrator, int pixels) {
   std::vector<CameraSample> samples;
   for (int i = 0; i < pixels; ++i) {
@@ -52,7 +52,7 @@ class FanTest : public testing::Test {
   }
   Scene scene_ = crowd_of_glass_spheres();
   RenderSettings settings_ = test::small_settings();
-  std::optional<World> world_;
+  std::optional<LitWorld> world_;
 };
 
 TEST_F(FanTest, queue_of_a_hundred_spheres_at_depth_16_stays_within_its_capacity) {
@@ -106,11 +106,11 @@ TEST_F(FanTest, weight_is_conserved_between_what_is_seen_and_what_depth_cuts_off
   // All glass, nothing absorbs: what does not reach the enclosure is lost to depth.
   const Traced traced =
       trace_all(*world_, scene_.cameras.front(), settings_, {.max_depth = 4, .cutoff = 0.0f}, 256);
-  const float* importance = world_->importance.data();
+  const float* weights = world_->luminance_weights.data();
   const int stride = world_->lanes.lane_stride();
   Scene empty = scene_;
   empty.instances.resize(1);
-  const World open = test::make_world(empty, settings_);
+  const LitWorld open = test::make_world(empty, settings_);
   const Traced all = trace_all(open, scene_.cameras.front(), settings_, {}, 256);
   double seen = 0.0;
   for (int i = 0; i < 256; ++i) {
@@ -119,7 +119,7 @@ TEST_F(FanTest, weight_is_conserved_between_what_is_seen_and_what_depth_cuts_off
     for (int lane = 0; lane < world_->lanes.lane_count(); ++lane) {
       const std::size_t at = static_cast<std::size_t>(i) * stride + lane;
       if (all.radiance[at] > 0.0f) {
-        seen += static_cast<double>(importance[set * stride + lane] * traced.radiance[at] /
+        seen += static_cast<double>(weights[set * stride + lane] * traced.radiance[at] /
                                     all.radiance[at]);
       }
     }

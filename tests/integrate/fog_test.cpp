@@ -132,7 +132,7 @@ TEST(Fog, point_light_above_a_slab_of_glass_lights_the_fog_below_on_bent_ways) {
     return std::exp(-kExtinction * (t + std::sqrt(r2))) / r2;
   });
   // The ways one by one, in double precision; smooth, so that 240 places are plenty.
-  const World world = test::make_world(scene, settings);
+  const LitWorld world = test::make_world(scene, settings);
   double below_integral = 0.0;
   constexpr int kPlaces = 240;
   for (int i = 0; i < kPlaces; ++i) {

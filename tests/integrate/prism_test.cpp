@@ -33,7 +33,7 @@ std::vector<FanRecord> trace_through(const PrismCase& prism) {
   test::add_sphere(scene, test::add(scene, test::emitter(Vec3f(1.0f))), Vec3d(0.0), 100.0);
   RenderSettings settings;
   settings.wavelengths.exact_nm = {kLineF_nm, kLine_d_nm, kLineC_nm};
-  const World world = test::make_world(scene, settings);
+  const LitWorld world = test::make_world(scene, settings);
   // The face towards +Z has the normal (sin 30°, 0, cos 30°), 60° from the X axis.
   const double normal_deg = 60.0;
   const double arrival = glm::radians(normal_deg + prism.incidence_deg);

@@ -38,9 +38,9 @@ RenderSettings default_settings() {
 Image rendered(const Scene& scene, const RenderSettings& settings,
                const DevelopmentOptions& development = {}) {
   Notes notes;
-  const World world = make_world(
+  const LitWorld world = make_lit_world(
       scene,
-      {.mode = settings.mode, .wavelengths = settings.wavelengths, .development = development},
+      {.mode = settings.mode, .wavelengths = settings.wavelengths, .development = development}, {},
       test::catalogue().observer(), test::catalogue().illuminant("illuminant/D65"), notes);
   return test::render(world, scene.cameras.front(), settings).image;
 }

@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(scenes, FrozenScenes,
 TEST(FrozenCauses, frozen_dispersion_leaves_one_index) {
   Scene scene;
   test::add(scene, test::glass("glass/schott/N-SF11"));
-  const World world =
+  const LitWorld world =
       test::make_world(scene, settings_of(Mode::Spectral, parse_causes({"dispersion"})));
   EXPECT_EQ(world.lanes.lane_count(), 16);  // No channels are needed for it.
   for (int lane = 0; lane < 16; ++lane) {

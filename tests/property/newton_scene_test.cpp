@@ -105,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(glasses, NewtonSpectrum,
 TEST(NewtonScene, no_pixel_exceeds_the_exact_maximum_and_two_seeds_agree) {
   const Newton n = newton("glass/schott/N-SF11");
   RenderSettings settings = settings_of_lines(n, 16, {kLine_d_nm});
-  const World world = test::make_world(n.scene, settings);
+  const LitWorld world = test::make_world(n.scene, settings);
   const Image first = test::render(world, n.scene.cameras.front(), settings).image;
   settings.seed = 5;
   const Image second = test::render(world, n.scene.cameras.front(), settings).image;

@@ -124,7 +124,7 @@ TEST(NewtonTwo, lines_leave_parallel_to_the_beam_moved_aside_as_snell_says) {
   settings.wavelengths.exact_nm.assign(kLines_nm.begin(), kLines_nm.end());
   scene.cameras.assign(1, before(white, 0.032, 0.016));
   scene.cameras.front().to_world[3].y = 0.06;
-  const World world = test::make_world(scene, settings);
+  const LitWorld world = test::make_world(scene, settings);
   const Image image = test::render(world, scene.cameras.front(), settings).image;
   const double pixel_m = 0.0005;
   for (const double nm : kLines_nm) {

@@ -92,7 +92,7 @@ TEST(PrismScene, two_seeds_at_four_samples_differ_by_less_than_one_delta_e) {
   settings.samples_per_pixel = 4;
   // Across both faces of the prism.
   settings.crop = PixelRect{345, 200, 616, 212};
-  const World world = test::make_world(scene, settings);
+  const LitWorld world = test::make_world(scene, settings);
   const Image first = test::render(world, scene.cameras.front(), settings).image;
   settings.seed = 7;
   const Image second = test::render(world, scene.cameras.front(), settings).image;

@@ -133,7 +133,7 @@ TEST(RenderTest, cancelled_render_says_that_it_is_incomplete) {
   RenderSettings settings = test::small_settings();
   settings.size = {200, 200};
   const Scene scene = glass_over_floor();
-  const World world = test::make_world(scene, settings);
+  const LitWorld world = test::make_world(scene, settings);
   Film film(film_options(settings));
   const CancelFlag cancel{true};
   EXPECT_FALSE(render(world, scene.cameras.front(), settings, film, {}, &cancel).complete);
@@ -145,7 +145,7 @@ TEST(RenderTest, film_that_is_kept_is_added_to) {
   settings.samples_per_pixel = 4;
   settings.bands = parse_bands("400:700:100");
   const Scene scene = glass_over_floor();
-  const World world = test::make_world(scene, settings);
+  const LitWorld world = test::make_world(scene, settings);
   Film film(film_options(settings));
   const auto rgb_of = [&] {
     const Image image = film.develop({.xyz_to_rec709 = world.lanes.film_to_rec709()});
@@ -223,7 +223,7 @@ TEST(RenderTest, cost_of_a_pixel_is_the_work_of_its_rays_traced_alone) {
   scene.cameras.push_back(test::perspective_camera({0, 0, 12}, {0, 0, 0}, 40.0));
   RenderSettings settings = test::small_settings();
   settings.aovs = {"cost"};
-  const World world = test::make_world(scene, settings);
+  const LitWorld world = test::make_world(scene, settings);
   const Image image = test::render(world, scene.cameras.front(), settings).image;
   for (const int x : {0, 4}) {
     const CameraSample sample = camera_sample(world, scene.cameras.front(), settings, {x, 4}, 0);

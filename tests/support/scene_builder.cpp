@@ -187,13 +187,13 @@ Camera perspective_camera(const Vec3d& eye, const Vec3d& target, double yfov_deg
   return camera;
 }
 
-World make_world(const Scene& scene, const RenderSettings& settings) {
+LitWorld make_world(const Scene& scene, const RenderSettings& settings) {
   Notes notes;
-  return abbe::make_world(scene, world_options(settings), catalogue().observer(),
-                          catalogue().illuminant("illuminant/D65"), notes);
+  return make_lit_world(scene, world_options(settings), caustic_options(settings),
+                        catalogue().observer(), catalogue().illuminant("illuminant/D65"), notes);
 }
 
-Rendered render(const World& world, const Camera& camera, const RenderSettings& settings) {
+Rendered render(const LitWorld& world, const Camera& camera, const RenderSettings& settings) {
   Film film(film_options(settings));
   Rendered rendered{abbe::render(world, camera, settings, film), {}};
   rendered.image = film.develop({.xyz_to_rec709 = world.lanes.film_to_rec709()});

@@ -50,12 +50,12 @@ Camera orthographic_camera(const Vec3d& eye, const Vec3d& target, double half_wi
 Camera perspective_camera(const Vec3d& eye, const Vec3d& target, double yfov_deg);
 
 /// A world made for the settings' mode and wavelengths.
-World make_world(const Scene& scene, const RenderSettings& settings);
+LitWorld make_world(const Scene& scene, const RenderSettings& settings);
 /// A render with the image that its film develops to.
 struct Rendered : RenderResult {
   Image image;
 };
-Rendered render(const World& world, const Camera& camera, const RenderSettings& settings);
+Rendered render(const LitWorld& world, const Camera& camera, const RenderSettings& settings);
 /// Renders with the scene's first camera.
 Rendered render(const Scene& scene, const RenderSettings& settings);
 /// Value of a channel at a pixel. Fails the test when there is no such channel.

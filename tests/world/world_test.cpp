@@ -33,7 +33,7 @@ TEST(make_world, mirrored_instance_keeps_its_outside) {
   Mat4d mirror(1.0);
   mirror[0][0] = -1.0;
   test::add_box_mesh(scene, white, Vec3d(1.0), mirror);
-  const World world = test::make_world(scene, settings_of(Mode::Rgb));
+  const LitWorld world = test::make_world(scene, settings_of(Mode::Rgb));
   for (std::size_t i = 0; i < world.geometry.triangles.size(); ++i) {
     EXPECT_GT(glm::dot(face_normal(world, i),
                        Vec3d(world.geometry.positions[world.geometry.triangles[i][0]])),
@@ -47,7 +47,7 @@ TEST(make_world, sphere_under_a_shear_lies_on_its_ellipsoid) {
   Mat4d shear(1.0);
   shear[1][0] = 0.5;
   scene.instances.front().to_world = shear * scene.instances.front().to_world;
-  const World world = test::make_world(scene, settings_of(Mode::Rgb));
+  const LitWorld world = test::make_world(scene, settings_of(Mode::Rgb));
   ASSERT_EQ(world.geometry.ellipsoids.size(), 1u);
   const Ellipsoid& ellipsoid = world.geometry.ellipsoids.front();
   const Vec3d on_surface(shear * Vec4d(1.0, 4.0, 3.0, 1.0));
@@ -64,11 +64,9 @@ TEST(make_world, triangles_flattened_by_their_transform_are_dropped_and_counted)
   flat[2][2] = 0.0;
   test::add_box_mesh(scene, test::add(scene, test::matte(Vec3f(1.0f))), Vec3d(1.0), flat);
   Notes notes;
-  const World world =
-      abbe::make_world(scene, {.mode = Mode::Rgb, .wavelengths = {}}, test::catalogue().observer(),
-                       test::catalogue().illuminant("illuminant/D65"), notes);
+  const Geometry geometry = flatten(scene, notes);
   // The four sides have no area left, front and back do.
-  EXPECT_EQ(world.geometry.triangles.size(), 4u);
+  EXPECT_EQ(geometry.triangles.size(), 4u);
   ASSERT_EQ(notes.all().size(), 1u);
   EXPECT_NE(notes.all().front().text.find("dropped 8 triangles"), std::string::npos);
 }
@@ -83,8 +81,8 @@ TEST(make_world, planes_that_bound_nothing_are_an_error) {
 TEST(LaneModel, index_of_glass_is_tabulated_per_mode) {
   Scene scene;
   test::add(scene, test::glass("glass/schott/N-BK7"));
-  const World rgb = test::make_world(scene, settings_of(Mode::Rgb));
-  const World rgb3 = test::make_world(scene, settings_of(Mode::Rgb3));
+  const LitWorld rgb = test::make_world(scene, settings_of(Mode::Rgb));
+  const LitWorld rgb3 = test::make_world(scene, settings_of(Mode::Rgb3));
   const RowId row = rgb.materials.front().index;
   // N-BK7 by its Sellmeier formula at C, d and F, to single precision.
   EXPECT_NEAR(rgb.row(row, 0)[0], 1.516800f, 1e-6f);
@@ -100,12 +98,12 @@ TEST(LaneModel, gltf_attenuation_is_the_colour_at_its_distance) {
   tinted.attenuation_color_rec709 = {0.25, 0.5, 1.0};
   tinted.attenuation_distance_m = 2.0;
   test::add(scene, tinted);
-  const World rgb = test::make_world(scene, settings_of(Mode::Rgb));
+  const LitWorld rgb = test::make_world(scene, settings_of(Mode::Rgb));
   const float* row = rgb.row(*rgb.materials.front().absorption_per_m, 0);
   EXPECT_NEAR(std::exp(-row[0] * 2.0f), 0.25f, 1e-6f);
   EXPECT_NEAR(std::exp(-row[1] * 2.0f), 0.5f, 1e-6f);
   EXPECT_NEAR(row[2], 0.0f, 1e-6f);
-  const World spectral = test::make_world(scene, settings_of(Mode::Spectral));
+  const LitWorld spectral = test::make_world(scene, settings_of(Mode::Spectral));
   const SigmoidPolynomial color = uplift_rec709({0.25, 0.5, 1.0});
   const float* spectral_row = spectral.row(*spectral.materials.front().absorption_per_m, 7);
   const float nm = spectral.lanes.quadrature()->wavelengths_nm(7)[5];
@@ -113,15 +111,16 @@ TEST(LaneModel, gltf_attenuation_is_the_colour_at_its_distance) {
               Spectrum::sigmoid(color).value(static_cast<double>(nm)), 1e-5);
 }
 
-TEST(LaneModel, importance_sums_to_one_over_every_set) {
+TEST(LaneModel, luminance_weights_sum_to_one_over_every_set) {
   Scene scene;
   for (const Mode mode : {Mode::Spectral, Mode::Rgb, Mode::Rgb3}) {
-    const World world = test::make_world(scene, settings_of(mode));
+    const LitWorld world = test::make_world(scene, settings_of(mode));
     for (int set = 0; set < world.lanes.set_count(); ++set) {
       double sum = 0.0;
       for (int lane = 0; lane < world.lanes.lane_stride(); ++lane) {
         const float value =
-            world.importance[static_cast<std::size_t>(set) * world.lanes.lane_stride() + lane];
+            world.luminance_weights[static_cast<std::size_t>(set) * world.lanes.lane_stride() +
+                                    lane];
         EXPECT_GE(value, 0.0f);
         sum += static_cast<double>(value);
       }

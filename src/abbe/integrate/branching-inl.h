@@ -150,12 +150,13 @@ class Branching {
   }
 
   float weight_of(const LaneArray& throughput, int set) const {
-    const float* importance = world_.importance.data() + static_cast<std::size_t>(set) * stride_;
+    const float* weights =
+        world_.luminance_weights.data() + static_cast<std::size_t>(set) * stride_;
     // Four sums whatever the width of vectors, so that a weight has the same bits on every level.
     const hn::CappedTag<float, 4> d;
     auto sums = hn::Zero(d);
     for (int i = 0; i < stride_; i += 4) {
-      sums = hn::Add(sums, hn::Mul(hn::Load(d, throughput.v + i), hn::LoadU(d, importance + i)));
+      sums = hn::Add(sums, hn::Mul(hn::Load(d, throughput.v + i), hn::LoadU(d, weights + i)));
     }
     return hn::GetLane(hn::SumOfLanes(d, sums));
   }

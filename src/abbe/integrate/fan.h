@@ -27,7 +27,7 @@ struct Fan {
   std::uint64_t path = kCameraPath;  ///< What happened since the camera (math/random.h).
   std::uint32_t sample = 0;          ///< Which camera sample of the wave.
   std::uint32_t data = 0;            ///< Offset of its lanes in the list's pool.
-  float weight = 1.0f;               ///< Σ throughput × importance.
+  float weight = 1.0f;               ///< Σ throughput × luminance weight.
   float path_length_m = 0.0f;
   std::uint16_t depth = 0;
   FanOrigin made_by = FanOrigin::Camera;

@@ -38,7 +38,7 @@ IntegratorScratch::IntegratorScratch() : buffers_(std::make_unique<Buffers>()) {
 IntegratorScratch::IntegratorScratch(IntegratorScratch&&) noexcept = default;
 IntegratorScratch::~IntegratorScratch() = default;
 
-void trace_samples(const World& world, const IntegratorSettings& settings,
+void trace_samples(const LitWorld& world, const IntegratorSettings& settings,
                    std::span<const CameraSample> samples, const SampleResults& results,
                    IntegratorStats& stats, IntegratorScratch& scratch) {
   HWY_DYNAMIC_DISPATCH(TraceSamples)

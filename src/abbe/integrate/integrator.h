@@ -7,21 +7,13 @@
 #include <span>
 #include <vector>
 
+#include "abbe/caustics/lit_world.h"
+#include "abbe/film/pixel_kernel.h"
 #include "abbe/integrate/record.h"
 #include "abbe/math/random.h"
 #include "abbe/math/ray.h"
-#include "abbe/world/world.h"
 
 namespace abbe {
-
-/// The filter of a film along one axis, for light that is averaged over it in closed form.
-struct PixelKernel {
-  static constexpr int kCells = 64;
-  float radius_px = 0.0f;  ///< 0: nothing is averaged.
-  /// The integral of the filter from its left end, at equidistant places up to the right end: from
-  /// 0 to 1, never falling.
-  std::array<float, kCells + 1> cumulated{};
-};
 
 struct IntegratorSettings {
   int max_depth = 16;    ///< Most surfaces a path may leave.
@@ -135,7 +127,7 @@ class IntegratorScratch {
 /// Radiance that arrives along each camera sample, written to `results`.
 /// The result of a sample does not depend on the others: its sums are taken in an order that
 /// follows from its own fans alone.
-void trace_samples(const World& world, const IntegratorSettings& settings,
+void trace_samples(const LitWorld& world, const IntegratorSettings& settings,
                    std::span<const CameraSample> samples, const SampleResults& results,
                    IntegratorStats& stats, IntegratorScratch& scratch);
 

@@ -25,6 +25,7 @@
 #include "abbe/integrate/surface/material_sample.h"
 #include "abbe/integrate/surface/microfacet_lanes-inl.h"
 #include "abbe/math/random.h"
+#include "abbe/optics/absorption-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
@@ -33,7 +34,7 @@ namespace HWY_NAMESPACE {
 template <class D>
 class Tracer {
  public:
-  Tracer(const World& world, const IntegratorSettings& settings,
+  Tracer(const LitWorld& world, const IntegratorSettings& settings,
          std::span<const CameraSample> samples, const SampleResults& results,
          IntegratorStats& stats, IntegratorScratch::Buffers& buffers)
       : world_(world),
@@ -221,7 +222,7 @@ class Tracer {
       }
     }
     if (is_in_fog(fan)) {
-      FogAttenuate(d, stride_, world_.fog->extinction_per_m, distance_m, throughput);
+      Attenuate(d, stride_, world_.fog->extinction_per_m, distance_m, throughput);
     }
   }
 
@@ -317,7 +318,7 @@ class Tracer {
   Branching<D> branching_;
 };
 
-void TraceSamples(const World& world, const IntegratorSettings& settings,
+void TraceSamples(const LitWorld& world, const IntegratorSettings& settings,
                   std::span<const CameraSample> samples, const SampleResults& results,
                   IntegratorStats& stats, IntegratorScratch::Buffers& buffers) {
   const auto trace = [&](auto d) {

@@ -139,7 +139,7 @@ struct Worker {
 
 class Renderer {
  public:
-  Renderer(const World& world, const Camera& camera, const RenderSettings& settings, Film& film)
+  Renderer(const LitWorld& world, const Camera& camera, const RenderSettings& settings, Film& film)
       : world_(world),
         settings_(settings),
         source_(world, camera, settings),
@@ -291,7 +291,7 @@ class Renderer {
     band_weights_->apply(set, lanes, bands);
   }
 
-  const World& world_;
+  const LitWorld& world_;
   const RenderSettings& settings_;
   SampleSource source_;
   Film& film_;
@@ -342,7 +342,7 @@ FilmOptions film_options(const RenderSettings& settings) {
   return options;
 }
 
-RenderResult render(const World& world, const Camera& camera, const RenderSettings& settings,
+RenderResult render(const LitWorld& world, const Camera& camera, const RenderSettings& settings,
                     Film& film, const ProgressCallback& progress, const CancelFlag* cancel) {
   return Renderer(world, camera, settings, film).run(progress, cancel);
 }

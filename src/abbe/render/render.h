@@ -32,7 +32,7 @@ FilmOptions film_options(const RenderSettings& settings);
 /// with what came until then. `world.lanes.film_to_rec709()` develops it.
 /// Domain: check_settings(settings) passes; `world` was made for the same mode and wavelengths, and
 ///         `film` by film_options of the same settings.
-RenderResult render(const World& world, const Camera& camera, const RenderSettings& settings,
+RenderResult render(const LitWorld& world, const Camera& camera, const RenderSettings& settings,
                     Film& film, const ProgressCallback& progress = {},
                     const CancelFlag* cancel = nullptr);
 

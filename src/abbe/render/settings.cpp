@@ -83,11 +83,14 @@ WorldOptions world_options(const RenderSettings& settings) {
   return {.mode = settings.mode,
           .wavelengths = settings.wavelengths,
           .uplift = settings.uplift,
-          .caustics = {.exact = settings.caustics,
-                       .inner_reflections = settings.inner_reflections,
-                       .cutoff = settings.cutoff},
           .frozen = settings.frozen,
           .accelerator = settings.accelerator};
+}
+
+CausticOptions caustic_options(const RenderSettings& settings) {
+  return {.exact = settings.caustics,
+          .inner_reflections = settings.inner_reflections,
+          .cutoff = settings.cutoff};
 }
 
 void check_settings(const RenderSettings& settings) {

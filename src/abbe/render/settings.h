@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "abbe/caustics/lit_world.h"
 #include "abbe/film/bands.h"
 #include "abbe/film/film.h"
 #include "abbe/math/vec.h"
 #include "abbe/spectrum/wavelength_set.h"
 #include "abbe/world/lanes.h"
-#include "abbe/world/world.h"
 
 namespace abbe {
 
@@ -41,8 +41,9 @@ struct RenderSettings {
 /// ambient, emitted, reflected, refracted: parts of the light; spectralAlbedo.
 std::vector<std::string> aov_names();
 
-/// How the world has to be made for these settings.
+/// How the world and the light in it have to be made for these settings.
 WorldOptions world_options(const RenderSettings& settings);
+CausticOptions caustic_options(const RenderSettings& settings);
 
 /// Errors: usage Error for values out of range, unknown names and contradictions.
 void check_settings(const RenderSettings& settings);

@@ -24,19 +24,19 @@ const char* event_name(ChainEvent event) {
   return "reflect";
 }
 
-std::string lamp_name(const World& world, std::size_t light) {
+std::string lamp_name(const LitWorld& world, std::size_t light) {
   const std::string name = printable(world.lights[light].name);
   return name.empty() ? fmt::format("#{}", light) : name;
 }
 
-LitCrossing crossing_of(const LightPathCrossing& at, const World& world, const Scene& scene) {
-  const std::uint32_t instance = world.flat.bodies[at.body].instance;
+LitCrossing crossing_of(const LightPathCrossing& at, const LitWorld& world, const Scene& scene) {
+  const std::uint32_t instance = world.caustics.flat.bodies[at.body].instance;
   std::string name = printable(scene.instances[instance].name);
   if (name.empty()) name = fmt::format("instance {}", instance);
   return {at, event_name(at.event), std::move(name), instance};
 }
 
-LitChain chain_of(const LightChain& chain, const World& world, const Scene& scene, int set) {
+LitChain chain_of(const LightChain& chain, const LitWorld& world, const Scene& scene, int set) {
   LitChain lit;
   lit.is_straight = chain.events.empty();
   lit.is_blocked = std::all_of(chain.paths.begin(), chain.paths.end(),
@@ -60,7 +60,7 @@ LitChain chain_of(const LightChain& chain, const World& world, const Scene& scen
 
 }  // namespace
 
-std::uint32_t light_named(const World& world, const std::string& name) {
+std::uint32_t light_named(const LitWorld& world, const std::string& name) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < world.lights.size(); ++i) {
     if (world.lights[i].name == name || fmt::format("#{}", i) == name) {
@@ -71,7 +71,7 @@ std::uint32_t light_named(const World& world, const std::string& name) {
   throw_usage_error("light", printable(name), "a lamp of the scene", names);
 }
 
-std::optional<LitPlace> lit_place(std::span<const ProbeNode> nodes, const World& world,
+std::optional<LitPlace> lit_place(std::span<const ProbeNode> nodes, const LitWorld& world,
                                   const Scene& scene, int set, std::uint32_t light) {
   std::optional<std::uint32_t> medium;
   for (const ProbeNode* node = &nodes.front(); node->is_hit;) {

@@ -53,12 +53,12 @@ struct LitPlace {
 
 /// The number of a lamp by its name, or by `#2` for the third.
 /// Errors: a usage Error that lists the names.
-std::uint32_t light_named(const World& world, const std::string& name);
+std::uint32_t light_named(const LitWorld& world, const std::string& name);
 
 /// The surface that the heaviest path of a probe ends on, seen through glass if need be, and all
 /// chains from the lamp to there; none where that path leaves the scene.
 /// Shape:  `set` is the wavelength set of the probe's sample.
-std::optional<LitPlace> lit_place(std::span<const ProbeNode> nodes, const World& world,
+std::optional<LitPlace> lit_place(std::span<const ProbeNode> nodes, const LitWorld& world,
                                   const Scene& scene, int set, std::uint32_t light);
 
 }  // namespace abbe

@@ -4,11 +4,13 @@
 
 namespace abbe {
 
-World make_world(const PreparedScene& prepared, const RenderSettings& settings,
-                 const Standards& standards, Notes& notes, const DevelopmentOptions& development) {
+LitWorld make_lit_world(const PreparedScene& prepared, const RenderSettings& settings,
+                        const Standards& standards, Notes& notes,
+                        const DevelopmentOptions& development) {
   WorldOptions options = world_options(settings);
   options.development = development;
-  return make_world(prepared.scene, options, standards.observer, standards.d65, notes);
+  return make_lit_world(prepared.scene, options, caustic_options(settings), standards.observer,
+                        standards.d65, notes);
 }
 
 Image developed_picture(const Film& film, const World& world, const PreparedScene& prepared,
@@ -26,7 +28,7 @@ Picture render_picture(const PreparedScene& prepared, const RenderSettings& sett
                        const CancelFlag* cancel) {
   check_settings(settings);
   const ThreadLimit threads(settings.threads);
-  const World world = make_world(prepared, settings, standards, notes, development);
+  const LitWorld world = make_lit_world(prepared, settings, standards, notes, development);
   Film film(film_options(settings));
   const RenderResult result =
       render(world, prepared.chosen_camera(), settings, film, progress, cancel);

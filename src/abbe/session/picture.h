@@ -13,9 +13,9 @@
 namespace abbe {
 
 /// The scene made ready to trace for these settings.
-World make_world(const PreparedScene& prepared, const RenderSettings& settings,
-                 const Standards& standards, Notes& notes,
-                 const DevelopmentOptions& development = {});
+LitWorld make_lit_world(const PreparedScene& prepared, const RenderSettings& settings,
+                        const Standards& standards, Notes& notes,
+                        const DevelopmentOptions& development = {});
 
 /// What a film has gathered, as an image that says how it was made: with its provenance as
 /// attributes.

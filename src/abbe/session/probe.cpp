@@ -86,7 +86,7 @@ std::string lane_name(const std::optional<double>& wavelength_nm, int lane) {
   return std::string(1, "RGB"[std::min(lane, 2)]);
 }
 
-Probed probe_pixel(const World& world, const Camera& camera, const RenderSettings& settings,
+Probed probe_pixel(const LitWorld& world, const Camera& camera, const RenderSettings& settings,
                    const Vec2i& pixel, std::optional<std::uint32_t> sample) {
   Probed probed;
   const std::optional<Vec2f> place = sample ? std::nullopt : std::optional(Vec2f(0.0f));

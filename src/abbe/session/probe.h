@@ -61,7 +61,7 @@ std::optional<double> lane_wavelength_nm(const World& world, int set, int lane);
 std::string lane_name(const std::optional<double>& wavelength_nm, int lane);
 
 /// Follows one sample of a pixel as render() does, or, without a number, the pixel's centre.
-Probed probe_pixel(const World& world, const Camera& camera, const RenderSettings& settings,
+Probed probe_pixel(const LitWorld& world, const Camera& camera, const RenderSettings& settings,
                    const Vec2i& pixel, std::optional<std::uint32_t> sample);
 
 /// Nodes in the order of their records. Shape: the camera's own nodes have no parent; there are

@@ -219,6 +219,11 @@ std::vector<float> LaneModel::emission(const Spectrum& value) const {
   return of_channels(rec709_of_emission(value, film_observer_, development_));
 }
 
+std::vector<float> LaneModel::emission(const Spectrum& value, double luminance) const {
+  const double own = xyz_of(value, observer_).y;
+  return emission(own > 0.0 ? value.scaled(luminance / own) : Spectrum());
+}
+
 std::vector<float> LaneModel::emission(const RgbRec709& value) const {
   if (!is_rgb(Cause::Lamps)) {
     return of_wavelengths(
@@ -298,7 +303,7 @@ std::vector<float> LaneModel::xyz_weights() const {
   return weights;
 }
 
-std::vector<float> LaneModel::importance() const {
+std::vector<float> LaneModel::luminance_weights() const {
   std::vector<float> result(static_cast<std::size_t>(set_count_) * lane_stride_, 0.0f);
   if (!quadrature_) {
     for (int lane = 0; lane < 3; ++lane) result[lane] = 1.0f / 3.0f;

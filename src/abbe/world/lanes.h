@@ -88,6 +88,8 @@ class LaneModel {
   std::vector<float> quantity(const Spectrum& value) const;
   /// Emission in W·m⁻²·sr⁻¹·nm⁻¹; in RGB modes linear Rec.709 in cd/m².
   std::vector<float> emission(const Spectrum& value) const;
+  /// The same, scaled to a luminance (or illuminance, or luminous intensity).
+  std::vector<float> emission(const Spectrum& value, double luminance) const;
   /// Emission given as RGB in cd/m² per channel; in RGB modes negative channels are 0.
   std::vector<float> emission(const RgbRec709& value) const;
   std::vector<float> index(const Dispersion& value) const;
@@ -110,7 +112,7 @@ class LaneModel {
   std::vector<float> xyz_weights() const;
   /// Share of each lane in what the observer sees of the scene's lamps (of D65 if none), ≥ 0,
   /// summing to 1 over a set: the weight by which fans are bounded.
-  std::vector<float> importance() const;
+  std::vector<float> luminance_weights() const;
 
  private:
   /// Per wavelength, on all its lanes; per channel, on all its lanes.

@@ -1,17 +1,86 @@
-/// Materials, lights and lamps of a scene, tabulated.
+/// Materials of a scene, ready to shade.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
-#include "abbe/world/world.h"
+#include "abbe/scene/scene.h"
+#include "abbe/world/lanes.h"
+#include "abbe/world/rows.h"
+#include "abbe/world/texture.h"
 
 namespace abbe {
 
-/// Appends a tabulated spectrum to the world's rows.
-RowId append_row(World& world, const std::vector<float>& row);
+/// Materials a scene may have: fans keep the media they are in as 16-bit numbers.
+inline constexpr std::size_t kMaxMaterials = 65535;
 
-/// Fills World::materials, textures, lights, ambient, lamp_ids and the weights.
-void tabulate_materials(const Scene& scene, World& world);
-void tabulate_lights(const Scene& scene, World& world);
+/// How a surface bounds the space behind it.
+enum class Transmission : std::uint8_t {
+  None,       ///< Opaque.
+  ThinSheet,  ///< Infinitely thin: tints, does not refract.
+  Medium,     ///< The boundary of a medium.
+};
+
+/// A material ready to shade. Rows hold one value per lane.
+struct SurfaceMaterial {
+  std::string name;
+  RowId base_color = 0;  ///< Of the untextured factor.
+  Vec4f base_color_rec709{1.0f};
+  bool base_color_is_spectrum = false;  ///< A measured reflectance: textures multiply it.
+  std::optional<TextureUse> base_color_texture, metallic_roughness_texture, normal_texture,
+      emissive_texture, transmission_texture;
+  float normal_scale = 1.0f;
+  float metallic = 0.0f;
+  float roughness = 1.0f;
+  float transmission_factor = 0.0f;
+  Transmission transmission = Transmission::None;
+  AlphaMode alpha_mode = AlphaMode::Opaque;
+  float alpha_cutoff = 0.5f;
+  bool unlit = false;
+
+  std::optional<RowId> emission;
+  Vec3f emissive_rec709{0.0f};  ///< For textured emission.
+  bool emission_is_textured = false;
+  bool emission_is_spectrum = false;  ///< A lamp's spectrum: textures multiply it.
+
+  RowId index = 0;  ///< n per lane.
+  bool index_is_infinite = false;
+  std::optional<RowId> absorption_per_m;  ///< Of the medium inside; absent when clear.
+
+  bool is_conductor = false;  ///< Exact Fresnel with n and k; otherwise Schlick's with base colour.
+  RowId conductor_n = 0, conductor_k = 0;
+  /// In RGB modes conductors have their colour at normal incidence here, as base_color.
+
+  /// A thin layer on the surface; its textures change factor and thickness.
+  struct Film {
+    RowId index = 0;  ///< n per lane.
+    float factor = 1.0f;
+    float thickness_min_nm = 0.0f, thickness_max_nm = 0.0f;
+    std::optional<TextureUse> factor_texture, thickness_texture;
+  };
+  std::optional<Film> film;
+
+  std::optional<float> ambient_factor;
+
+  bool is_textured() const {
+    return base_color_texture || metallic_roughness_texture || transmission_texture ||
+           emissive_texture || (film && (film->factor_texture || film->thickness_texture));
+  }
+  bool lets_light_pass() const {
+    return transmission != Transmission::None || alpha_mode != AlphaMode::Opaque;
+  }
+};
+
+/// Materials, numbered as in the scene, and the textures that they name.
+struct Materials {
+  std::vector<SurfaceMaterial> surfaces;
+  std::vector<WorldTexture> textures;
+};
+
+/// The materials of a scene, their spectra added to `rows`.
+/// Errors: an input Error that names the scene where it has more than kMaxMaterials.
+Materials tabulate_materials(const Scene& scene, const LaneModel& lanes, Rows& rows);
 
 }  // namespace abbe

@@ -1,22 +1,10 @@
 #include "abbe/world/scene_white.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "abbe/base/constants.h"
 #include "abbe/color/uplift/uplift.h"
+#include "abbe/world/lights.h"
 
 namespace abbe {
-namespace {
-
-double illuminance_lux(const Light& light, const Vec3d& middle, double radius_m) {
-  if (light.type == LightType::Directional) return light.intensity;
-  // A lamp amid the scene counts as one at its edge, not as infinitely bright.
-  const double distance_m = std::max(glm::length(Vec3d(light.to_world[3]) - middle), radius_m);
-  return distance_m > 0.0 ? light.intensity / (distance_m * distance_m) : light.intensity;
-}
-
-}  // namespace
 
 White scene_white(const Scene& scene, const Box3f& bounds, const Spectrum& d65,
                   const Observer& observer) {
@@ -32,6 +20,7 @@ White scene_white(const Scene& scene, const Box3f& bounds, const Spectrum& d65,
     if (luminance > 0.0) white.lamps.emplace_back(spectrum, share * luminance);
   };
   for (const Light& light : scene.lights) {
+    // A lamp amid the scene counts as one at its edge, not as infinitely bright.
     const double lux = illuminance_lux(light, middle, radius_m);
     if (light.spectrum) {
       white.lamps.emplace_back(light.spectrum->spectrum, lux);

@@ -1,52 +1,90 @@
 #include "abbe/world/world.h"
 
-#include <fmt/format.h>
-
-#include <chrono>
-
-#include "abbe/base/error.h"
-#include "abbe/world/materials.h"
+#include <utility>
 
 namespace abbe {
 namespace {
 
-std::vector<VisibilityMask> masks_of(const World& world) {
+std::vector<VisibilityMask> masks_of(const Geometry& geometry,
+                                     const std::vector<SurfaceMaterial>& materials,
+                                     std::span<const std::uint8_t> ends_light) {
   std::vector<VisibilityMask> masks;
-  masks.reserve(world.geometry.primitive_surface.size());
-  for (const std::uint32_t surface : world.geometry.primitive_surface) {
-    const SurfaceMaterial& material = world.materials[world.geometry.surfaces[surface].material];
-    masks.push_back(!material.lets_light_pass()            ? kOpaqueBit
-                    : world.surface_is_exact[surface] != 0 ? kExactGlassBit
-                                                           : kTransparentBit);
+  masks.reserve(geometry.primitive_surface.size());
+  for (const std::uint32_t surface : geometry.primitive_surface) {
+    const bool lets_pass = materials[geometry.surfaces[surface].material].lets_light_pass();
+    masks.push_back(!lets_pass                 ? kOpaqueBit
+                    : ends_light[surface] != 0 ? kExactGlassBit
+                                               : kTransparentBit);
   }
   return masks;
 }
 
 }  // namespace
 
-World make_world(const Scene& scene, const WorldOptions& options, const Observer& observer,
-                 const Spectrum& d65, Notes& notes) {
-  const auto start = std::chrono::steady_clock::now();
-  const std::vector<Spectrum> lamps = lamp_spectra(scene, d65);
-  World world(LaneModel(options.mode, options.wavelengths, observer, d65, lamps,
-                        options.development, options.uplift, options.frozen));
-  world.xyz_weights = world.lanes.xyz_weights();
-  world.importance = world.lanes.importance();
-  if (scene.materials.size() > kMaxMaterials) {
-    throw_input_error(scene.name, fmt::format("{} materials", scene.materials.size()),
-                      fmt::format("at most {}", kMaxMaterials));
+TabulatedScene tabulate(const Scene& scene, const WorldOptions& options, const Observer& observer,
+                        const Spectrum& d65) {
+  LaneModel lanes(options.mode, options.wavelengths, observer, d65, lamp_spectra(scene, d65),
+                  options.development, options.uplift, options.frozen);
+  Rows rows(lanes.lane_stride());
+  Materials materials = tabulate_materials(scene, lanes, rows);
+  std::vector<WorldLight> lights = tabulate_lights(scene, lanes, rows);
+  const std::optional<RowId> ambient = tabulate_ambient(scene, lanes, rows);
+  const std::optional<WorldFog> fog = tabulate_fog(scene, lanes, rows);
+  const RowId emission_of_d65 = rows.add(lanes.emission(lanes.d65()));
+  const RowId inverse_wavelength = rows.add(lanes.inverse_wavelength());
+  const RowId uplift_abscissa = rows.add(lanes.uplift_abscissa());
+  std::array<RowId, 3> uplift_basis{};
+  if (lanes.uplift() == Uplift::MallettYuksel) {
+    for (int i = 0; i < 3; ++i) {
+      uplift_basis[static_cast<std::size_t>(i)] = rows.add(lanes.uplift_basis(i));
+    }
   }
-  tabulate_materials(scene, world);
-  tabulate_lights(scene, world);
+  std::vector<float> xyz_weights = lanes.xyz_weights();
+  std::vector<float> luminance_weights = lanes.luminance_weights();
+  return {.lanes = std::move(lanes),
+          .rows = std::move(rows),
+          .xyz_weights = std::move(xyz_weights),
+          .luminance_weights = std::move(luminance_weights),
+          .materials = std::move(materials.surfaces),
+          .textures = std::move(materials.textures),
+          .lights = std::move(lights),
+          .ambient = ambient,
+          .fog = fog,
+          .d65 = emission_of_d65,
+          .inverse_wavelength = inverse_wavelength,
+          .uplift_abscissa = uplift_abscissa,
+          .uplift_basis = uplift_basis};
+}
 
-  world.geometry = flatten(scene, notes);
-  add_chains(scene, options.caustics, notes, world);
-  const std::vector<VisibilityMask> masks = masks_of(world);
-  for (const VisibilityMask mask : masks) world.visibility_bits |= mask;
-  world.accelerator = build_accelerator(options.accelerator, world.geometry.shapes(masks));
-  world.build_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return world;
+World make_world(TabulatedScene tables, Geometry geometry, std::span<const std::uint8_t> ends_light,
+                 const std::string& accelerator) {
+  const std::vector<VisibilityMask> masks = masks_of(geometry, tables.materials, ends_light);
+  VisibilityMask bits = 0;
+  for (const VisibilityMask mask : masks) bits |= mask;
+  auto built = build_accelerator(accelerator, geometry.shapes(masks));
+  return {std::move(tables), std::move(geometry), std::move(built), bits};
+}
+
+std::vector<Spectrum> lamp_spectra(const Scene& scene, const Spectrum& d65) {
+  std::vector<Spectrum> lamps;
+  bool uses_d65 = false;
+  for (const Light& light : scene.lights) {
+    if (light.spectrum) {
+      lamps.push_back(light.spectrum->spectrum);
+    } else {
+      uses_d65 = true;  // An RGB colour is a smooth reflectance under D65.
+    }
+  }
+  for (const Material& material : scene.materials) {
+    if (material.emission) {
+      lamps.push_back(material.emission->spectrum.spectrum);
+    } else if (material.emissive_rec709 != Vec3f(0.0f) || material.unlit) {
+      uses_d65 = true;
+    }
+  }
+  if (scene.ambient) lamps.push_back(scene.ambient->spectrum.spectrum);
+  if (uses_d65) lamps.push_back(d65);
+  return lamps;
 }
 
 }  // namespace abbe

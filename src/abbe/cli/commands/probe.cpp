@@ -51,7 +51,7 @@ ExitCode run_probe(ProbeArguments& arguments) {
         "--pixel", arguments.pixel,
         fmt::format("a pixel from 0,0 to {},{}", settings.size.x - 1, settings.size.y - 1));
   }
-  const World world = make_world(prepared, settings, standards, notes);
+  const LitWorld world = make_lit_world(prepared, settings, standards, notes);
   console.show(notes);
   const Probed probed =
       probe_pixel(world, prepared.chosen_camera(), settings, pixel, arguments.sample);

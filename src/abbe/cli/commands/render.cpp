@@ -104,7 +104,7 @@ ExitCode run_render(RenderArguments& arguments) {
 
   const DevelopmentOptions development =
       development_options(arguments.development, standards, &prepared);
-  const World world = make_world(prepared, settings, standards, notes, development);
+  const LitWorld world = make_lit_world(prepared, settings, standards, notes, development);
   times.build_seconds = world.build_seconds;
 
   const InterruptGuard interrupt;

@@ -6,6 +6,7 @@
 #include "abbe/cli/describe/describe.h"
 #include "abbe/integrate/surface/microfacet.h"
 #include "abbe/load/spectra/range_notes.h"
+#include "abbe/world/lights.h"
 
 namespace abbe {
 namespace {
@@ -149,10 +150,9 @@ Description describe_material(const Material& material, Notes& notes) {
 Description describe_light(const Light& light) {
   Description out;
   out["name"] = light.name.empty() ? "(nameless)" : light.name;
-  out["type"] = light.type == LightType::Point  ? "point"
-                : light.type == LightType::Spot ? "spot"
-                                                : "directional";
-  out[light.type == LightType::Directional ? "illuminance_lx" : "intensity_cd"] = light.intensity;
+  const LightKind kind = kind_of(light);
+  out["type"] = kind.name;
+  out[kind.intensity] = light.intensity;
   if (light.spectrum) {
     out["spectrum"] = light.spectrum->id.empty() ? "its own" : light.spectrum->id;
     if (!light.spectrum->spectrum.lines().empty()) {
@@ -162,14 +162,14 @@ Description describe_light(const Light& light) {
     out["spectrum"] = "illuminant/D65";
     out["color_rec709"] = triple(light.color_rec709);
   }
-  if (light.type != LightType::Directional) {
+  if (kind.has_position) {
     out["position_m"] = triple(Vec3d(light.to_world[3]));
     if (std::isfinite(light.range_m)) out["range_m"] = light.range_m;
   }
-  if (light.type != LightType::Point) {
+  if (kind.has_direction) {
     out["shines_along"] = triple(-glm::normalize(Vec3d(light.to_world[2])));
   }
-  if (light.type == LightType::Spot) {
+  if (kind.has_cone) {
     out["inner_cone_deg"] = light.inner_cone_rad * kDegrees;
     out["outer_cone_deg"] = light.outer_cone_rad * kDegrees;
   }

@@ -5,10 +5,10 @@
 #include <map>
 
 #include "abbe/base/constants.h"
+#include "abbe/caustics/flat/bodies.h"
 #include "abbe/cli/describe/describe.h"
 #include "abbe/render/settings.h"
 #include "abbe/scene/colors.h"
-#include "abbe/world/flat_bodies.h"
 
 namespace abbe {
 namespace {

@@ -30,7 +30,7 @@ double rays_per_second(const IntegratorStats& stats, double render_seconds) {
   return share(static_cast<double>(total_rays(stats)), render_seconds);
 }
 
-nlohmann::json stats_json(const World& world, const Film& film, const RenderResult& result,
+nlohmann::json stats_json(const LitWorld& world, const Film& film, const RenderResult& result,
                           const RenderTimes& times, int threads) {
   const IntegratorStats& stats = result.stats;
   nlohmann::json json;
@@ -66,7 +66,7 @@ nlohmann::json stats_json(const World& world, const Film& film, const RenderResu
                    {"peak_bytes", stats.peak_queue_bytes}};
   json["energy_lost"] = {{"depth", share(stats.weight_lost_to_depth, stats.weight_started)},
                          {"cutoff", share(stats.weight_lost_to_cutoff, stats.weight_started)}};
-  const CausticReport& caustics = world.caustics;
+  const CausticReport& caustics = world.caustics.report;
   json["caustics"] = {{"bodies", caustics.bodies},
                       {"facets", caustics.facets},
                       {"chains", caustics.chains},
@@ -74,7 +74,7 @@ nlohmann::json stats_json(const World& world, const Film& film, const RenderResu
                       {"straight", caustics.fallbacks}};
   json["bytes"] = {{"geometry", world.geometry.bytes()},
                    {"accelerator", world.accelerator->bytes()},
-                   {"chains", world.chain_rows.capacity() * sizeof(float)},
+                   {"chains", world.caustics.parallel.rows.capacity() * sizeof(float)},
                    {"peak_memory", peak_memory_bytes()}};
   json["dropped_samples"] = film.dropped_sample_count();
   json["complete"] = result.complete;

@@ -23,7 +23,7 @@ std::uint64_t total_rays(const IntegratorStats& stats);
 double rays_per_second(const IntegratorStats& stats, double render_seconds);
 
 /// What `--stats` writes.
-nlohmann::json stats_json(const World& world, const Film& film, const RenderResult& result,
+nlohmann::json stats_json(const LitWorld& world, const Film& film, const RenderResult& result,
                           const RenderTimes& times, int threads);
 
 }  // namespace abbe

@@ -12,10 +12,12 @@
 #include <cstdint>
 #include <span>
 
+#include "abbe/caustics/flat/light/parallel-inl.h"
+#include "abbe/caustics/flat/light/point-inl.h"
 #include "abbe/integrate/fog/fog-inl.h"
 #include "abbe/integrate/light/chain_gates-inl.h"
-#include "abbe/integrate/light/point_chains-inl.h"
-#include "abbe/integrate/light/straight_light-inl.h"
+#include "abbe/optics/absorption-inl.h"
+#include "abbe/world/lights-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
@@ -25,8 +27,12 @@ namespace HWY_NAMESPACE {
 template <class D>
 class FogLight {
  public:
-  FogLight(const World& world, std::span<const CameraSample> samples, ShadowQueue<D>& shadows)
-      : world_(world), samples_(samples), shadows_(shadows), stride_(world.lanes.lane_stride()) {}
+  FogLight(const LitWorld& world, std::span<const CameraSample> samples, ShadowQueue<D>& shadows)
+      : world_(world),
+        caustics_(world.caustics),
+        samples_(samples),
+        shadows_(shadows),
+        stride_(world.lanes.lane_stride()) {}
 
   /// Light of the lamps that fog scatters into rays on their way outside of all bodies.
   /// Shape: origins and directions in every lane; distance_m to where the ray ends, or infinity.
@@ -43,27 +49,29 @@ class FogLight {
     }
     fog_.rays = {&origins, &directions, &throughput};
     for (const WorldLight& light : world_.lights) {
-      if (!find_stretch(fan, light)) continue;
+      if (!LampSegments(d, stride_, fan.spread, light, origins, directions, fog_.ends_m,
+                        fog_.lit)) {
+        continue;
+      }
       for (int piece = 0; piece < pieces(fan); ++piece) {
-        if (has_falloff(light)) {
-          take_angle(fan, light, place_of(fan, piece));
-        } else {
+        if (light.is_parallel) {
           take_depth(fan.spread, place_of(fan, piece));
+        } else {
+          take_angle(fan, light, place_of(fan, piece));
         }
         place_fog(fan, set);
         scatter_straight(fan, lanes, light, set);
       }
     }
-    for (const Chain& chain : world_.chains) {
+    for (const ParallelChain& chain : caustics_.parallel.chains) {
       if (chain.ends_inside) continue;
-      if (!StretchInChain(d, world_, chain, set, origins, directions, fog_.ends_m, fog_.stretch)) {
-        continue;
-      }
+      const ParallelChainLight<D> light(world_, caustics_.parallel, chain, set);
+      if (!light.segments(origins, directions, fog_.ends_m, fog_.lit)) continue;
       for (int piece = 0; piece < pieces(fan); ++piece) {
         take_depth(true, place_of(fan, piece));
         place_fog(fan, set);
         constexpr PixelOnSurface kPoint;
-        if (!LightOnChain(d, world_, chain, set, fog_.places, kPoint, to_light_, way_)) continue;
+        if (!light.run(fog_.places, kPoint, to_light_, met_)) continue;
         send_arrived(chain, fan, lanes);
       }
     }
@@ -71,15 +79,13 @@ class FogLight {
   }
 
  private:
-  // A lit stretch of a camera ray is cut into pieces of equal weight with a shadow ray each; where
+  // A lit segment of a camera ray is cut into pieces of equal weight with a shadow ray each; where
   // it goes in its piece is stratified over the samples of the pixel, so that few will do.
   static int pieces(const Fan& fan) { return fan.depth == 0 ? 2 : 1; }
   float place_of(const Fan& fan, int piece) const {
     return (static_cast<float>(piece) + samples_[fan.sample].u_fog) /
            static_cast<float>(pieces(fan));
   }
-
-  static bool has_falloff(const WorldLight& light) { return light.type != LightType::Directional; }
 
   struct FogRays {
     const LaneArray3* origins = nullptr;
@@ -88,33 +94,10 @@ class FogLight {
   };
   struct FogWork {
     FogRays rays;
-    Stretch stretch;
+    LaneSegments lit;
     LaneArray ends_m, distance_m, weight_m, scattered;
     LaneArray3 places;
   };
-
-  // The part of every lane's ray that a lamp shines on, whatever stands in between; false when
-  // that is nothing.
-  bool find_stretch(const Fan& fan, const WorldLight& light) {
-    const D d;
-    if (light.is_beam) {
-      return StretchInBeam(d, stride_, light, *fog_.rays.origins, *fog_.rays.directions,
-                           fog_.ends_m, fog_.stretch);
-    }
-    bool any = false;
-    for_rays(fan.spread, [&](int lane) {
-      StretchM lit{0.0f, fog_.ends_m[lane]};
-      if (light.type == LightType::Spot) {
-        lit = stretch_in_cone(light, fog_.rays.origins->get(lane), fog_.rays.directions->get(lane),
-                              lit.end_m);
-      }
-      any |= lit.begin_m < lit.end_m;
-      fog_.stretch.begin_m[lane] = lit.begin_m;
-      fog_.stretch.end_m[lane] = std::max(lit.begin_m, lit.end_m);
-    });
-    if (!fan.spread) splat_stretch();
-    return any;
-  }
 
   // Calls body(lane) for every lane that has a ray of its own.
   template <class Body>
@@ -122,13 +105,13 @@ class FogLight {
     for (int lane = 0; lane < (spread ? stride_ : 1); ++lane) body(lane);
   }
 
-  // Goes to a share u of what fog in the stretch hides: e^(−σt) falls off evenly in u, so that an
-  // evenly lit stretch has no noise.
+  // Goes to a share u of what fog in the segment hides: e^(−σt) falls off evenly in u, so that an
+  // evenly lit segment has no noise.
   void take_depth(bool spread, float u) {
     const float extinction = world_.fog->extinction_per_m;
     for_rays(spread, [&](int lane) {
-      const float begin_m = fog_.stretch.begin_m[lane];
-      const float length_m = fog_.stretch.end_m[lane] - begin_m;
+      const float begin_m = fog_.lit.begin_m[lane];
+      const float length_m = fog_.lit.end_m[lane] - begin_m;
       const float hidden = -std::expm1(-extinction * length_m);
       const float kept = 1.0f - u * hidden;
       const float along_m = -std::log1p(-u * hidden) / extinction;
@@ -138,7 +121,7 @@ class FogLight {
     if (!spread) splat_place();
   }
 
-  // Goes to a share u of the angle under which a lamp sees the stretch: its light falls off with
+  // Goes to a share u of the angle under which a lamp sees the segment: its light falls off with
   // the square of the distance, and dt = (h² + s²)/h dθ makes up for that.
   // Source: Kulla and Fajardo, Importance sampling techniques for path tracing in participating
   // media, 2012, 4.
@@ -148,8 +131,8 @@ class FogLight {
       const Vec3f direction = fog_.rays.directions->get(lane);
       const float nearest = glm::dot(to_lamp, direction);
       const float height = std::max(glm::length(to_lamp - nearest * direction), 1e-6f);
-      const float begin_m = fog_.stretch.begin_m[lane];
-      const float end_m = fog_.stretch.end_m[lane];
+      const float begin_m = fog_.lit.begin_m[lane];
+      const float end_m = fog_.lit.end_m[lane];
       const float first = std::atan2(begin_m - nearest, height);
       const float last = std::atan2(end_m - nearest, height);
       const float s = height * std::tan(first + u * (last - first));
@@ -173,13 +156,14 @@ class FogLight {
   void scatter_straight(const Fan& fan, const LaneMask& lanes, const WorldLight& light, int set) {
     const D d;
     StraightLight(d, stride_, light, world_.row(light.row, set), fog_.places, to_light_);
-    if (HasDistance(light)) {
-      FogAttenuate(d, stride_, world_.fog->extinction_per_m, to_light_.distance_m,
-                   to_light_.irradiance);
+    if (light.has_distance()) {
+      Attenuate(d, stride_, world_.fog->extinction_per_m, to_light_.distance_m,
+                to_light_.irradiance);
     }
     ShadowJob job;
     job.spread = fan.spread;
-    job.ends_at_glass = light.has_chains;
+    job.ends_at_glass =
+        caustics_.of_light(static_cast<std::size_t>(&light - world_.lights.data())) != nullptr;
     add_job(fan, lanes, job, [&](int lane) {
       return Ray{fog_.places.get(lane), to_light_.distance_m[lane], to_light_.direction.get(lane)};
     });
@@ -187,16 +171,16 @@ class FogLight {
 
   // Light of point and spot lamps that comes to fog on chains.
   void scatter_point_chains(const Fan& fan, const LaneMask& lanes, int set) {
-    for (const PointChainGroup& group : world_.point_chains.groups) {
-      if (group.ends_inside || !find_stretch(fan, group, group.reach, group.slope)) continue;
+    for (const PointChainGroup& group : caustics_.point.groups) {
+      if (group.ends_inside || !find_segment(fan, group, group.reach, group.slope)) continue;
       for (std::uint32_t c = group.first_chain; c < group.first_chain + group.chain_count; ++c) {
-        const PointChain& chain = world_.point_chains.chains[c];
-        if (!find_stretch(fan, group, chain.reach, chain.slope)) continue;
+        const PointChain& chain = caustics_.point.chains[c];
+        if (!find_segment(fan, group, chain.reach, chain.slope)) continue;
         for (int piece = 0; piece < pieces(fan); ++piece) {
           take_depth(fan.spread, place_of(fan, piece));
           place_fog(fan, set);
-          PointChainLight<D> light(world_, chain, set);
-          if (!light.run(fog_.places, lanes, !fan.spread, to_light_, way_)) continue;
+          PointChainLight<D> light(world_, caustics_.point, chain, set);
+          if (!light.run(fog_.places, lanes, !fan.spread, to_light_, met_)) continue;
           send_arrived(chain, fan, lanes);
         }
       }
@@ -204,30 +188,30 @@ class FogLight {
   }
 
   // The part of every lane's ray that may lie in the bounds of a chain or of a group of them.
-  bool find_stretch(const Fan& fan, const PointChainGroup& group, const std::array<float, 8>& reach,
+  bool find_segment(const Fan& fan, const PointChainGroup& group, const std::array<float, 8>& reach,
                     const std::array<float, 8>& slope) {
     bool any = false;
     for_rays(fan.spread, [&](int lane) {
-      any |= StretchInBounds(group, reach, slope, fog_.rays.origins->get(lane),
+      any |= SegmentInBounds(group, reach, slope, fog_.rays.origins->get(lane),
                              fog_.rays.directions->get(lane), fog_.ends_m[lane],
-                             &fog_.stretch.begin_m[lane], &fog_.stretch.end_m[lane]);
+                             &fog_.lit.begin_m[lane], &fog_.lit.end_m[lane]);
     });
-    if (any && !fan.spread) splat_stretch();
+    if (any && !fan.spread) splat_segment();
     return any;
   }
 
-  void splat_stretch() {
-    Splat(D(), stride_, fog_.stretch.begin_m[0], fog_.stretch.begin_m);
-    Splat(D(), stride_, fog_.stretch.end_m[0], fog_.stretch.end_m);
+  void splat_segment() {
+    Splat(D(), stride_, fog_.lit.begin_m[0], fog_.lit.begin_m);
+    Splat(D(), stride_, fog_.lit.end_m[0], fog_.lit.end_m);
   }
 
-  // Notes the light that a chain brings, which lies in to_light_ and way_.
+  // Notes the light that a chain brings, which lies in to_light_ and met_.
   void send_arrived(const ChainPath& chain, const Fan& fan, const LaneMask& lanes) {
     ShadowJob job;
     job.spread = true;
     job.ends_at_glass = true;
-    const auto ray_of = [&](int lane) { return LastRay(chain, way_, fog_.places.get(lane), lane); };
-    if (add_job(fan, lanes, job, ray_of)) AddGates(shadows_, world_, chain, way_, job);
+    const auto ray_of = [&](int lane) { return LastRay(chain, met_, fog_.places.get(lane), lane); };
+    if (add_job(fan, lanes, job, ray_of)) AddGates(shadows_, world_, chain, met_, job);
   }
 
   // Whether the light at hand comes to anything in any lane; then it waits in the queue.
@@ -248,11 +232,12 @@ class FogLight {
   }
 
   const World& world_;
+  const FlatCaustics& caustics_;
   std::span<const CameraSample> samples_;
   ShadowQueue<D>& shadows_;
   const int stride_;
   LightGeometry to_light_;
-  ChainWay way_;
+  ChainPlaces met_;
   FogWork fog_;
 };
 

@@ -1,4 +1,4 @@
-/// What stands on the bent ways of chains. Highway code, compiled once per instruction set.
+/// What stands on the bent paths of chains. Highway code, compiled once per instruction set.
 
 #if defined(ABBE_INTEGRATE_LIGHT_CHAIN_GATES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ABBE_INTEGRATE_LIGHT_CHAIN_GATES_INL_H_
@@ -9,61 +9,59 @@
 
 #include <cstddef>
 
-#include "abbe/integrate/light/chains-inl.h"
+#include "abbe/caustics/flat/light/chain_places.h"
 #include "abbe/integrate/light/shadow_queue-inl.h"
+#include "abbe/integrate/surface/point.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
 /// A place on the facet of step s, moved off it towards another place by the rounding error that it
-/// may have, so that the facet itself is in nobody's way, however aslant.
-inline Vec3f OffFacet(const ChainPath& chain, const ChainWay& way, std::size_t s, int lane,
+/// may have, so that the facet itself blocks nothing, however aslant.
+inline Vec3f OffFacet(const ChainPath& chain, const ChainPlaces& met, std::size_t s, int lane,
                       const Vec3f& towards) {
-  const Vec3f place = way.places[s].get(lane) + chain.origin;
-  const Vec3f& normal = chain.steps[s].normal;
-  const float side = glm::dot(towards - place, normal) < 0.0f ? -1.0f : 1.0f;
-  return place + (side * way.slack_m[lane]) * normal;
+  const Vec3f place = met.places[s].get(lane) + chain.origin;
+  return off_surface(place, chain.steps[s].normal, met.slack_m[lane], towards - place);
 }
 
 inline Ray RayBetween(const Vec3f& from, const Vec3f& to, const Vec3f& direction_if_none) {
-  const Vec3f way = to - from;
-  const float length = glm::length(way);
-  return {from, length, length > 0.0f ? way / length : direction_if_none};
+  const Vec3f offset = to - from;
+  const float length = glm::length(offset);
+  return {from, length, length > 0.0f ? offset / length : direction_if_none};
 }
 
 /// Backwards from a lit place, off its surface, to the last facet of a chain.
-inline Ray LastRay(const ChainPath& chain, const ChainWay& way, const Vec3f& origin, int lane) {
+inline Ray LastRay(const ChainPath& chain, const ChainPlaces& met, const Vec3f& origin, int lane) {
   const std::size_t last = chain.steps.size() - 1;
-  return RayBetween(origin, OffFacet(chain, way, last, lane, origin), chain.steps[last].normal);
+  return RayBetween(origin, OffFacet(chain, met, last, lane, origin), chain.steps[last].normal);
 }
 
 /// Backwards from the facet of step s to the one before it, or to the light.
-inline Ray GateRay(const ChainPath& chain, const ChainWay& way, const WorldLight& light,
+inline Ray GateRay(const ChainPath& chain, const ChainPlaces& met, const WorldLight& light,
                    std::size_t s, int lane) {
-  const Vec3f from = way.places[s].get(lane) + chain.origin;
+  const Vec3f from = met.places[s].get(lane) + chain.origin;
   const Vec3f& normal = chain.steps[s].normal;
   if (s > 0) {
-    const Vec3f to = way.places[s - 1].get(lane) + chain.origin;
-    return RayBetween(OffFacet(chain, way, s, lane, to), OffFacet(chain, way, s - 1, lane, from),
+    const Vec3f to = met.places[s - 1].get(lane) + chain.origin;
+    return RayBetween(OffFacet(chain, met, s, lane, to), OffFacet(chain, met, s - 1, lane, from),
                       normal);
   }
-  if (light.type == LightType::Directional) {
-    const float length =
-        light.is_beam ? glm::dot(from - light.position, light.direction) : kInfinity;
-    return {OffFacet(chain, way, s, lane, from - light.direction), length, -light.direction};
+  if (light.is_parallel) {
+    return {OffFacet(chain, met, s, lane, from - light.direction), light.parallel_distance_m(from),
+            -light.direction};
   }
-  return RayBetween(OffFacet(chain, way, s, lane, light.position), light.position, normal);
+  return RayBetween(OffFacet(chain, met, s, lane, light.position), light.position, normal);
 }
 
-/// The parts of a chain's way before its last facet on which something may stand, as gates of the
+/// The parts of a chain's path before its last facet on which something may stand, as gates of the
 /// job that carries its light.
 template <class D>
 void AddGates(ShadowQueue<D>& shadows, const World& world, const ChainPath& chain,
-              const ChainWay& way, const ShadowJob& main) {
+              const ChainPlaces& met, const ShadowJob& main) {
   const WorldLight& light = world.lights[chain.light];
   for (std::size_t s = 0; s < chain.steps.size(); ++s) {
-    // The way that ends at step s.
+    // The segment that ends at step s.
     const ChainStep& step = chain.steps[s];
     const bool inside = step.comes_from_inside();
     if (inside && !step.is_checked) continue;
@@ -75,7 +73,7 @@ void AddGates(ShadowQueue<D>& shadows, const World& world, const ChainPath& chai
     gate.gate_of = main.data;
     if (inside) gate.media.push(step.material);
     shadows.reserve(gate);
-    shadows.add(gate, [&](int lane) { return GateRay(chain, way, light, s, lane); });
+    shadows.add(gate, [&](int lane) { return GateRay(chain, met, light, s, lane); });
   }
 }
 

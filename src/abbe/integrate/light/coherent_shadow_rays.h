@@ -1,4 +1,4 @@
-/// Shadow rays of neighbouring pixels, which go nearly the same way to a lamp, as packets.
+/// Coherent shadow rays as packets: those of neighbouring pixels go to a lamp nearly in parallel.
 #pragma once
 
 #include <cstddef>

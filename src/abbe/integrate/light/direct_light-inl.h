@@ -11,12 +11,14 @@
 #include <algorithm>
 #include <span>
 
-#include "abbe/integrate/fog/fog-inl.h"
+#include "abbe/caustics/flat/light/parallel-inl.h"
+#include "abbe/caustics/flat/light/point-inl.h"
 #include "abbe/integrate/integrator.h"
 #include "abbe/integrate/light/chain_gates-inl.h"
-#include "abbe/integrate/light/point_chains-inl.h"
+#include "abbe/integrate/light/pixel.h"
 #include "abbe/integrate/light/reflected_light-inl.h"
-#include "abbe/integrate/light/straight_light-inl.h"
+#include "abbe/optics/absorption-inl.h"
+#include "abbe/world/lights-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
@@ -26,9 +28,10 @@ namespace HWY_NAMESPACE {
 template <class D>
 class DirectLight {
  public:
-  DirectLight(const World& world, const PixelKernel& kernel, std::span<const CameraSample> samples,
-              ShadowQueue<D>& shadows)
+  DirectLight(const LitWorld& world, const PixelKernel& kernel,
+              std::span<const CameraSample> samples, ShadowQueue<D>& shadows)
       : world_(world),
+        caustics_(world.caustics),
         kernel_(kernel),
         samples_(samples),
         shadows_(shadows),
@@ -43,14 +46,14 @@ class DirectLight {
     const float fog_per_m = world_.fog && fan.media.empty() ? world_.fog->extinction_per_m : 0.0f;
     for (const WorldLight& light : world_.lights) {
       StraightLight(d, stride_, light, world_.row(light.row, set), hit.position, to_light_);
-      if (fog_per_m > 0.0f && HasDistance(light)) {
-        FogAttenuate(d, stride_, fog_per_m, to_light_.distance_m, to_light_.irradiance);
+      if (fog_per_m > 0.0f && light.has_distance()) {
+        Attenuate(d, stride_, fog_per_m, to_light_.distance_m, to_light_.irradiance);
       }
       ShadowJob job;
-      job.ends_at_glass = light.has_chains;
+      const auto lamp = static_cast<std::uint32_t>(&light - world_.lights.data());
+      job.ends_at_glass = caustics_.of_light(lamp) != nullptr;
       if (!begin_job(surface, job)) continue;
       // Camera rays of neighbouring pixels mostly meet the same surface.
-      const auto lamp = static_cast<std::uint32_t>(&light - world_.lights.data());
       shadows_.add(
           job, [&](int lane) { return shadow_ray(hit, lane); }, fan.depth == 0 ? lamp : kUnrelated);
     }
@@ -74,8 +77,7 @@ class DirectLight {
   }
 
   void send_parallel_chains(const LitSurface& surface) {
-    if (world_.chains.empty()) return;
-    const D d;
+    if (caustics_.parallel.chains.empty()) return;
     const Fan& fan = surface.where.fan;
     const SurfaceHit& hit = surface.where.hit;
     const int set = samples_[fan.sample].set;
@@ -86,25 +88,26 @@ class DirectLight {
       pixel = pixel_on_surface(samples_[fan.sample], kernel_, surface.where.path_length_m,
                                hit.outward.get(0));
     }
-    for (const Chain& chain : world_.chains) {
+    for (const ParallelChain& chain : caustics_.parallel.chains) {
       if (!may_light(chain, center, radius_m + pixel.reach_m)) continue;
       if (chain.ends_inside &&
           (fan.media.empty() || fan.media.top() != chain.steps.back().material)) {
         continue;
       }
-      if (!LightOnChain(d, world_, chain, set, hit.position, pixel, to_light_, way_)) continue;
+      const ParallelChainLight<D> light(world_, caustics_.parallel, chain, set);
+      if (!light.run(hit.position, pixel, to_light_, met_)) continue;
       send_arrived(chain, surface);
     }
   }
 
   void send_point_chains(const LitSurface& surface) {
-    if (world_.point_chains.chains.empty()) return;
+    if (caustics_.point.chains.empty()) return;
     const Fan& fan = surface.where.fan;
     const SurfaceHit& hit = surface.where.hit;
     const int set = samples_[fan.sample].set;
     const Vec3f center = hit.position.get(hit.lanes.front());
     const float radius_m = radius_of(surface.where, center);
-    for (const PointChainGroup& group : world_.point_chains.groups) {
+    for (const PointChainGroup& group : caustics_.point.groups) {
       if (group.ends_inside && (fan.media.empty() || fan.media.top() != group.material)) continue;
       PlaceInGroup place;
       if (!may_light(group, center, radius_m, place)) continue;
@@ -113,16 +116,16 @@ class DirectLight {
           fan.spread ? places_.place(stride_, group, hit.position, hit.lanes) : hit.lanes;
       if (!among.any()) continue;
       for (std::uint32_t c = group.first_chain; c < group.first_chain + group.chain_count; ++c) {
-        const PointChain& chain = world_.point_chains.chains[c];
+        const PointChain& chain = caustics_.point.chains[c];
         LaneMask near = among;
         if (fan.spread) {
-          near = places_.in_bounds(stride_, world_.point_chains, chain, among);
+          near = places_.in_bounds(stride_, caustics_.point, chain, among);
           if (!near.any()) continue;
-        } else if (!is_in_bounds(place, world_.point_chains, chain)) {
+        } else if (!is_in_bounds(place, caustics_.point, chain)) {
           continue;
         }
-        PointChainLight<D> light(world_, chain, set);
-        if (!light.run(hit.position, near, !fan.spread, to_light_, way_)) continue;
+        PointChainLight<D> light(world_, caustics_.point, chain, set);
+        if (!light.run(hit.position, near, !fan.spread, to_light_, met_)) continue;
         send_arrived(chain, surface);
       }
     }
@@ -134,16 +137,16 @@ class DirectLight {
     return LargestDistance(D(), stride_, where.hit.position, where.hit.lanes, center);
   }
 
-  // Notes the light that a chain brings, which lies in to_light_ and way_.
+  // Notes the light that a chain brings, which lies in to_light_ and met_.
   void send_arrived(const ChainPath& chain, const LitSurface& surface) {
     ShadowJob job;
     if (!begin_job(surface, job)) return;
     job.spread = true;
     job.ends_at_glass = true;
     shadows_.add(job, [&](int lane) {
-      return LastRay(chain, way_, origin_of(surface.where.hit, lane), lane);
+      return LastRay(chain, met_, origin_of(surface.where.hit, lane), lane);
     });
-    AddGates(shadows_, world_, chain, way_, job);
+    AddGates(shadows_, world_, chain, met_, job);
   }
 
   // Just off the surface, on the side that light comes from.
@@ -162,12 +165,13 @@ class DirectLight {
   }
 
   const World& world_;
+  const FlatCaustics& caustics_;
   const PixelKernel& kernel_;
   std::span<const CameraSample> samples_;
   ShadowQueue<D>& shadows_;
   const int stride_;
   LightGeometry to_light_;
-  ChainWay way_;
+  ChainPlaces met_;
   LanesInGroup<D> places_;  ///< Of a spread fan.
 };
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <span>
 
-#include "abbe/integrate/light/chain_solver.h"
+#include "abbe/caustics/flat/facet_optics.h"
+#include "abbe/caustics/flat/light/solver.h"
 #include "abbe/integrate/surface/point.h"
-#include "abbe/world/facet_optics.h"
 
 namespace abbe {
 namespace {
@@ -18,7 +18,7 @@ constexpr double kOffFacet = 4e-6;
 
 class Paths {
  public:
-  Paths(const World& world, std::uint32_t light, const Vec3d& place, int set,
+  Paths(const LitWorld& world, std::uint32_t light, const Vec3d& place, int set,
         std::optional<std::uint32_t> medium)
       : world_(world),
         light_(world.lights[light]),
@@ -30,13 +30,15 @@ class Paths {
   std::vector<LightChain> all() {
     add_straight();
     const std::size_t straight = chains_.size();
-    for (const Chain& chain : world_.chains) {
-      if (chain.light != number_ || !ends_here(chain)) continue;
-      add(chain, [&](int lane) { return parallel_path(chain, lane); });
+    const LightChains* found = world_.caustics.of_light(number_);
+    const LightChains chains = found != nullptr ? *found : LightChains{};
+    for (const std::uint32_t i : chains.parallel) {
+      const ParallelChain& chain = world_.caustics.parallel.chains[i];
+      if (ends_here(chain)) add(chain, [&](int lane) { return parallel_path(chain, lane); });
     }
-    for (const PointChain& chain : world_.point_chains.chains) {
-      if (chain.light != number_ || !ends_here(chain)) continue;
-      add(chain, [&](int lane) { return point_path(chain, lane); });
+    for (const std::uint32_t i : chains.point) {
+      const PointChain& chain = world_.caustics.point.chains[i];
+      if (ends_here(chain)) add(chain, [&](int lane) { return point_path(chain, lane); });
     }
     const auto brightest = [](const LightChain& chain) {
       double most = 0.0;
@@ -79,68 +81,24 @@ class Paths {
     if (!result.paths.empty()) chains_.push_back(std::move(result));
   }
 
-  // KHR_lights_punctual's window of distance and cone of a spot.
-  double window(double distance_m, const Vec3d& first_direction) const {
-    double result = 1.0;
-    if (light_.range_m < kInfinity) {
-      const double ratio = distance_m / static_cast<double>(light_.range_m);
-      result = std::clamp(1.0 - std::pow(ratio, 4), 0.0, 1.0);
-    }
-    if (light_.type == LightType::Spot) {
-      const double cosine = glm::dot(first_direction, Vec3d(light_.direction));
-      const double cone = std::clamp(
-          cosine * static_cast<double>(light_.spot_scale) + static_cast<double>(light_.spot_offset),
-          0.0, 1.0);
-      result *= cone * cone;
-    }
-    return result;
-  }
-
   void add_straight() {
+    const auto straight = straight_path(light_, place_);
+    if (!straight || is_blocked(place_, -straight->direction, straight->length_m, true)) return;
     LightPath path;
-    const Vec3d lamp(light_.position);
-    if (light_.type == LightType::Directional) {
-      path.arrival = Vec3d(light_.direction);
-      path.start = place_;
-      path.length_m = std::numeric_limits<double>::infinity();
-      path.irradiance = 1.0;
-      if (light_.is_beam) {
-        const Vec3d off = place_ - lamp;
-        path.length_m = glm::dot(off, path.arrival);
-        if (path.length_m < 0.0 || !is_in_beam(off)) return;
-        path.start = place_ - path.length_m * path.arrival;
-      }
-    } else {
-      const Vec3d way = place_ - lamp;
-      path.length_m = glm::length(way);
-      if (!(path.length_m > 0.0)) return;
-      path.arrival = way / path.length_m;
-      path.start = lamp;
-      path.irradiance = window(path.length_m, path.arrival) / (path.length_m * path.length_m);
+    path.start = straight->start;
+    path.arrival = straight->direction;
+    path.length_m = straight->length_m;
+    LightChain chain;
+    for (path.lane = 0; path.lane < world_.lanes.lane_count(); ++path.lane) {
+      const double fog_m = std::isfinite(path.length_m) ? path.length_m : 0.0;
+      path.transmittance = passes(medium_, fog_m, path.lane);
+      path.irradiance = straight->irradiance * path.transmittance;
+      chain.paths.push_back(path);
     }
-    if (!(path.irradiance > 0.0)) return;
-    const bool meets = is_blocked(place_, -path.arrival, path.length_m, true);
-    if (meets) return;
-    LightChain straight;
-    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
-      LightPath one = path;
-      one.lane = lane;
-      const double fog_way = std::isfinite(path.length_m) ? path.length_m : 0.0;
-      one.transmittance = passes(medium_, fog_way, lane);
-      one.irradiance *= one.transmittance;
-      straight.paths.push_back(one);
-    }
-    chains_.push_back(std::move(straight));
+    chains_.push_back(std::move(chain));
   }
 
-  bool is_in_beam(const Vec3d& off) const {
-    return std::abs(glm::dot(off, Vec3d(light_.beam_x))) <=
-               static_cast<double>(light_.beam_half_x_m) &&
-           std::abs(glm::dot(off, Vec3d(light_.beam_y))) <=
-               static_cast<double>(light_.beam_half_y_m);
-  }
-
-  // What a stretch lets through.
+  // What a segment lets through.
   double passes(const std::optional<std::uint32_t>& medium, double length_m, int lane) const {
     if (medium) {
       const SurfaceMaterial& material = world_.materials[*medium];
@@ -151,29 +109,28 @@ class Paths {
     return std::exp(-static_cast<double>(world_.fog->extinction_per_m) * length_m);
   }
 
-  std::optional<LightPath> parallel_path(const Chain& chain, int lane) const {
-    const auto stride = static_cast<std::size_t>(world_.lanes.lane_stride());
-    const float* rows = world_.chain_rows.data() + chain.rows +
-                        static_cast<std::size_t>(set_) * chain.array_count() * stride +
-                        static_cast<std::size_t>(lane);
-    const auto at = [&](std::size_t array) { return static_cast<double>(rows[array * stride]); };
-    const auto vector_at = [&](std::size_t array) {
-      return Vec3d(at(array), at(array + 1), at(array + 2));
+  std::optional<LightPath> parallel_path(const ParallelChain& chain, int lane) const {
+    const auto rows = world_.caustics.parallel.of(chain, set_);
+    const auto at = [&](const float* row, std::size_t part) {
+      return static_cast<double>(row[part * rows.stride + static_cast<std::size_t>(lane)]);
     };
-    const double weight = at(0);
+    const auto vector_at = [&](const float* row) {
+      return Vec3d(at(row, 0), at(row, 1), at(row, 2));
+    };
+    const double weight = at(rows.weight(), 0);
     if (!(weight > 0.0)) return std::nullopt;
     Vec3d place = place_ - Vec3d(chain.origin);
-    const std::size_t count = chain.steps.size();
-    for (std::size_t side = 0; side < static_cast<std::size_t>(chain.side_count); ++side) {
-      const std::size_t array = 1 + 3 * count + 4 * side;
-      if (glm::dot(vector_at(array), place) + at(array + 3) < 0.0) return std::nullopt;
+    for (std::size_t side = 0; side < chain.side_count; ++side) {
+      const float* plane = rows.side(side);
+      if (glm::dot(vector_at(plane), place) + at(plane, 3) < 0.0) return std::nullopt;
     }
+    const std::size_t count = chain.steps.size();
     LightPath path;
-    path.arrival = glm::normalize(vector_at(1 + 3 * (count - 1)));
+    path.arrival = glm::normalize(vector_at(rows.direction(count - 1)));
     path.crossings.resize(count);
     for (std::size_t s = count; s-- > 0;) {
       const ChainStep& step = chain.steps[s];
-      const Vec3d after = glm::normalize(vector_at(1 + 3 * s));
+      const Vec3d after = glm::normalize(vector_at(rows.direction(s)));
       const Vec3d normal(step.normal);
       const double height = glm::dot(normal, place) - static_cast<double>(step.distance_m);
       place -= height / glm::dot(normal, after) * after;
@@ -182,29 +139,30 @@ class Paths {
       crossing.position = place + Vec3d(chain.origin);
       crossing.direction_after = after;
       crossing.direction_before =
-          s > 0 ? glm::normalize(vector_at(1 + 3 * (s - 1))) : Vec3d(light_.direction);
+          s > 0 ? glm::normalize(vector_at(rows.direction(s - 1))) : Vec3d(light_.direction);
       describe(step, lane, crossing);
     }
     const Vec3d first = path.crossings.front().position;
     path.start = first;
     path.length_m = std::numeric_limits<double>::infinity();
-    if (light_.is_beam) {
+    if (light_.beam) {
       const double along = glm::dot(first - Vec3d(light_.position), Vec3d(light_.direction));
       path.start = first - along * Vec3d(light_.direction);
       path.length_m = 0.0;
     }
-    // The weight has Fresnel's shares in it; what is left is absorbed on the way.
+    // The weight has Fresnel's shares in it; what is left is absorbed on the path.
     path.irradiance = weight;
     for (const LightPathCrossing& crossing : path.crossings) path.irradiance /= crossing.share;
     return path;
   }
 
   void describe(const ChainStep& step, int lane, LightPathCrossing& crossing) const {
-    const Facet& facet = world_.flat.facets[step.facet];
+    const Facet& facet = world_.caustics.flat.facets[step.facet];
     const SurfaceMaterial& material = world_.materials[step.material];
     crossing.body = facet.body;
     crossing.normal = facet.normal;
-    const double n = world_.flat.bodies[facet.body].is_mirror ? 1.0 : value(material.index, lane);
+    const double n =
+        world_.caustics.flat.bodies[facet.body].is_mirror ? 1.0 : value(material.index, lane);
     crossing.n_before = step.comes_from_inside() ? n : 1.0;
     crossing.n_after = step.goes_on_inside() ? n : 1.0;
     const auto angle = [&](const Vec3d& direction) {
@@ -216,13 +174,13 @@ class Paths {
     const FacetSide side = step.comes_from_inside() ? FacetSide::Inside : FacetSide::Outside;
     const double reflectance =
         facet_reflectance(world_, material, set_, lane, std::cos(crossing.incidence_rad), side);
-    const bool passes = step.event == ChainEvent::Enter || step.event == ChainEvent::Leave;
-    crossing.share = passes ? (1.0 - reflectance) * value(material.base_color, lane) : reflectance;
+    crossing.share =
+        step.refracts() ? (1.0 - reflectance) * value(material.base_color, lane) : reflectance;
   }
 
   std::optional<LightPath> point_path(const PointChain& chain, int lane) const {
     const std::size_t count = chain.crossings.size();
-    std::array<double, kMostCrossings + 1> n{};
+    std::array<double, kMaxRefractions + 1> n{};
     for (std::size_t j = 0; j <= count; ++j) n[j] = index(chain.media[j], lane);
     const Vec3d place = chain.fold * (place_ - Vec3d(chain.origin)) + chain.fold_shift;
     Crossings crossings{};
@@ -230,44 +188,44 @@ class Paths {
     if (!solve_crossings(chain, indices, place, crossings)) return std::nullopt;
     LightPath path;
     path.start = Vec3d(light_.position);
-    // The way in the unfolded space, stretch by stretch.
-    std::array<Vec3d, kMostCrossings + 2> row{};
-    row[0] = chain.lamp;
+    // The path in the unfolded space, segment by segment.
+    std::array<Vec3d, kMaxRefractions + 2> corner{};
+    corner[0] = chain.lamp;
     for (std::size_t k = 0; k < count; ++k) {
-      row[k + 1] = on_face(chain.faces[chain.crossings[k]], crossings[k]);
+      corner[k + 1] = on_face(chain.faces[chain.crossings[k]], crossings[k]);
     }
-    row[count + 1] = place;
-    std::size_t stretch = 0;
+    corner[count + 1] = place;
+    std::size_t segment = 0;
     double gone_m = 0.0;
     for (std::size_t s = 0; s < chain.steps.size(); ++s) {
       const UnfoldedFace& face = chain.faces[s];
-      const Vec3d way = row[stretch + 1] - row[stretch];
-      const double length_m = glm::length(way);
-      const Vec3d before = way / length_m;
+      const Vec3d offset = corner[segment + 1] - corner[segment];
+      const double length_m = glm::length(offset);
+      const Vec3d before = offset / length_m;
       Vec3d after = before;
-      Vec3d at = row[stretch + 1];
-      const bool refracts = stretch < count && chain.crossings[stretch] == s;
+      Vec3d at = corner[segment + 1];
+      const bool refracts = segment < count && chain.crossings[segment] == s;
       const double slope = glm::dot(face.normal, before);
       if (refracts) {
         const bool enters = chain.steps[s].event == ChainEvent::Enter;
         if (enters ? slope >= 0.0 : slope <= 0.0) return std::nullopt;
         if (length_m < gone_m) return std::nullopt;
-        ++stretch;
-        after = glm::normalize(row[stretch + 1] - row[stretch]);
-        // The shortest way to a place on the wrong side of a plane turns back there.
+        ++segment;
+        after = glm::normalize(corner[segment + 1] - corner[segment]);
+        // The shortest path to a place on the wrong side of a plane turns back there.
         if (glm::dot(face.normal, after) * slope <= 0.0) return std::nullopt;
         gone_m = 0.0;
       } else {
-        const double t = glm::dot(face.normal, face.origin - row[stretch]) / slope;
+        const double t = glm::dot(face.normal, face.origin - corner[segment]) / slope;
         if (!(t >= gone_m)) return std::nullopt;
         if (chain.steps[s].event == ChainEvent::ReflectInside && slope <= 0.0) return std::nullopt;
         gone_m = t;
-        at = row[stretch] + t * before;
+        at = corner[segment] + t * before;
         after = before - 2.0 * slope * face.normal;
       }
       const Vec3d off = at - face.origin;
-      const FaceFrame& frame = world_.point_chains.frames[face.face];
-      if (frame.distance_inside(glm::dot(face.u, off), glm::dot(face.v, off)) < 0.0) {
+      const FaceFrame& frame = world_.caustics.point.frames[face.face];
+      if (frame.distance_inside({glm::dot(face.u, off), glm::dot(face.v, off)}) < 0.0) {
         return std::nullopt;
       }
       LightPathCrossing crossing;
@@ -278,31 +236,32 @@ class Paths {
       describe(chain.steps[s], lane, crossing);
       path.crossings.push_back(crossing);
     }
-    const Vec3d last = place - row[count];
+    const Vec3d last = place - corner[count];
     if (glm::length(last) < gone_m - slack_m()) return std::nullopt;
     path.arrival = glm::transpose(chain.fold) * glm::normalize(last);
-    const double sharpness = crossing_sharpness(chain, indices, place, crossings);
+    const double jacobian = crossing_jacobian(chain, indices, place, crossings);
     double length_m = 0.0;
-    for (std::size_t j = 0; j <= count; ++j) length_m += glm::distance(row[j + 1], row[j]);
-    path.irradiance = sharpness * window(length_m, glm::normalize(row[1] - row[0]));
+    for (std::size_t j = 0; j <= count; ++j) length_m += glm::distance(corner[j + 1], corner[j]);
+    const double cosine = glm::dot(glm::normalize(corner[1] - corner[0]), Vec3d(light_.direction));
+    path.irradiance = jacobian * lamp_window(light_, length_m, cosine);
     if (!(path.irradiance > 0.0)) return std::nullopt;
     return path;
   }
 
-  // Lengths, absorption, and whether the way is free.
+  // Lengths, absorption, and whether the path is free.
   void finish(LightPath& path) const {
     Vec3d from = path.start;
     std::optional<std::uint32_t> medium = first_medium(path);
     for (const LightPathCrossing& crossing : path.crossings) {
-      add_stretch(from, crossing.position, medium, path);
+      add_segment(from, crossing.position, medium, path);
       path.transmittance *= crossing.share;
-      const std::uint32_t material = world_.flat.bodies[crossing.body].material;
+      const std::uint32_t material = world_.caustics.flat.bodies[crossing.body].material;
       if (crossing.event == ChainEvent::Enter) medium = material;
       if (crossing.event == ChainEvent::Leave) medium.reset();
       from = crossing.position;
     }
-    add_stretch(from, place_, medium, path);
-    if (light_.type == LightType::Directional && !light_.is_beam) {
+    add_segment(from, place_, medium, path);
+    if (!light_.has_distance()) {
       const Vec3d back = -Vec3d(light_.direction);
       path.is_blocked |= is_blocked(path.start, back, kInfinity, true);
     }
@@ -313,10 +272,10 @@ class Paths {
     const ChainEvent event = path.crossings.front().event;
     const bool inside = event == ChainEvent::Leave || event == ChainEvent::ReflectInside;
     if (!inside) return std::nullopt;
-    return world_.flat.bodies[path.crossings.front().body].material;
+    return world_.caustics.flat.bodies[path.crossings.front().body].material;
   }
 
-  void add_stretch(const Vec3d& from, const Vec3d& to, const std::optional<std::uint32_t>& medium,
+  void add_segment(const Vec3d& from, const Vec3d& to, const std::optional<std::uint32_t>& medium,
                    LightPath& path) const {
     const double length_m = glm::distance(from, to);
     path.length_m += length_m;
@@ -327,7 +286,7 @@ class Paths {
     }
   }
 
-  // Whether anything opaque stands on a stretch or, outside of glass, anything that bends light.
+  // Whether anything opaque stands on a segment or, outside of glass, anything that bends light.
   bool is_blocked(const Vec3d& from, const Vec3d& direction, double length_m,
                   bool is_outside) const {
     const double slack = slack_m() + kOffFacet * (std::isfinite(length_m) ? length_m : 0.0);
@@ -335,8 +294,8 @@ class Paths {
     ray.origin = Vec3f(from + slack * direction);
     ray.direction = Vec3f(direction);
     ray.t_max = static_cast<float>(length_m - 2.0 * slack);
-    constexpr int kMostSurfaces = 64;
-    for (int i = 0; i < kMostSurfaces && ray.t_max > 0.0f; ++i) {
+    constexpr int kMaxSurfaces = 64;
+    for (int i = 0; i < kMaxSurfaces && ray.t_max > 0.0f; ++i) {
       Hit hit;
       world_.accelerator->closest_hits(std::span<const Ray>(&ray, 1),
                                        kOpaqueBit | kTransparentBit | kExactGlassBit,
@@ -345,7 +304,7 @@ class Paths {
       const SurfacePoint point = surface_point(world_, ray.origin, ray.direction, hit);
       const Surface& surface = world_.geometry.surfaces[point.surface];
       if (!world_.materials[surface.material].lets_light_pass()) return true;
-      if (is_outside && world_.surface_is_exact[point.surface] != 0) return true;
+      if (is_outside && world_.caustics.surface_is_exact[point.surface] != 0) return true;
       const Vec3f next = off_surface(point, ray.direction);
       ray.t_max -= glm::dot(next - ray.origin, ray.direction);
       ray.origin = next;
@@ -353,7 +312,7 @@ class Paths {
     return ray.t_max > 0.0f;
   }
 
-  const World& world_;
+  const LitWorld& world_;
   const WorldLight& light_;
   const std::uint32_t number_;
   const Vec3d place_;
@@ -364,8 +323,9 @@ class Paths {
 
 }  // namespace
 
-std::vector<LightChain> chains_to_light(const World& world, std::uint32_t light, const Vec3d& place,
-                                        int set, std::optional<std::uint32_t> medium) {
+std::vector<LightChain> chains_to_light(const LitWorld& world, std::uint32_t light,
+                                        const Vec3d& place, int set,
+                                        std::optional<std::uint32_t> medium) {
   return Paths(world, light, place, set, medium).all();
 }
 

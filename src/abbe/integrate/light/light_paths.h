@@ -1,4 +1,4 @@
-/// The bent ways from a place to a lamp, one by one and in double precision: what `abbe probe`
+/// The bent paths from a place to a lamp, one by one and in double precision: what `abbe probe`
 /// draws, and what the lanes' single precision is measured against.
 #pragma once
 
@@ -6,14 +6,14 @@
 #include <optional>
 #include <vector>
 
-#include "abbe/world/world.h"
+#include "abbe/caustics/lit_world.h"
 
 namespace abbe {
 
-/// A facet that light meets on its way, as one wavelength sees it.
+/// A facet that light meets on its path, as one wavelength sees it.
 struct LightPathCrossing {
   ChainEvent event = ChainEvent::Enter;
-  std::uint32_t body = 0;  ///< Index into World::flat.bodies.
+  std::uint32_t body = 0;  ///< Index into FlatBodies::bodies.
   Vec3d position{0.0};
   Vec3d normal{0.0};                                  ///< Of the facet, out of its body.
   Vec3d direction_before{0.0}, direction_after{0.0};  ///< In which light goes.
@@ -22,7 +22,7 @@ struct LightPathCrossing {
   double share = 1.0;                                 ///< Of power, by Fresnel, thin film and tint.
 };
 
-/// The way of one wavelength.
+/// The path of one wavelength.
 struct LightPath {
   int lane = 0;
   Vec3d start{0.0};  ///< The lamp; of a beam, in its rectangle; of other parallel light, the first
@@ -44,12 +44,12 @@ struct LightChain {
 };
 
 /// All chains on which light of a lamp comes to a place, straight light first, then by what they
-/// bring; also those in whose way something opaque stands.
+/// bring; also those on which something opaque stands.
 /// Shape:  paths of the lanes of wavelength set `set`.
 /// Domain: light < world.lights.size(). A place inside glass has `medium`, the material it is in.
-///         Straight light here is that which meets no surface at all on its way.
-std::vector<LightChain> chains_to_light(const World& world, std::uint32_t light, const Vec3d& place,
-                                        int set,
+///         Straight light here is that which meets no surface at all.
+std::vector<LightChain> chains_to_light(const LitWorld& world, std::uint32_t light,
+                                        const Vec3d& place, int set,
                                         std::optional<std::uint32_t> medium = std::nullopt);
 
 }  // namespace abbe

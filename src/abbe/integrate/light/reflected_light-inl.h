@@ -10,9 +10,9 @@
 
 #include <hwy/highway.h>
 
-#include "abbe/integrate/light/light_geometry.h"
 #include "abbe/integrate/lit_surface.h"
 #include "abbe/integrate/surface/answer-inl.h"
+#include "abbe/world/lights.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {

@@ -36,12 +36,12 @@ double magnification(const Fields& orthographic, const char* name, Notes& notes)
 std::vector<Vec4d> read_planes(const Fields& convex) {
   convex.only({"planes"});
   // Corners are found from all triples of planes.
-  constexpr std::size_t kFewest = 4, kMost = 64;
+  constexpr std::size_t kMinPlanes = 4, kMaxPlanes = 64;
   const Json* planes = convex.has("planes") ? &convex.at("planes") : nullptr;
-  if (planes == nullptr || !planes->is_array() || planes->size() < kFewest ||
-      planes->size() > kMost) {
+  if (planes == nullptr || !planes->is_array() || planes->size() < kMinPlanes ||
+      planes->size() > kMaxPlanes) {
     throw_input_error(convex.where("planes"), planes == nullptr ? "nothing" : describe(*planes),
-                      fmt::format("{} to {} planes", kFewest, kMost));
+                      fmt::format("{} to {} planes", kMinPlanes, kMaxPlanes));
   }
   std::vector<Vec4d> result;
   for (std::size_t i = 0; i < planes->size(); ++i) {

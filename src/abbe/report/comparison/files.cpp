@@ -101,7 +101,7 @@ std::vector<KeptTree> kept_trees(const PreparedScene& prepared, const Standards&
   RenderSettings plain = settings;
   plain.bands.reset();
   Notes notes;
-  const World world = make_world(prepared, plain, standards, notes);
+  const LitWorld world = make_lit_world(prepared, plain, standards, notes);
   const PixelRect window =
       settings.crop.value_or(PixelRect{0, 0, settings.size.x, settings.size.y});
   const int longer = std::max(window.width(), window.height());

@@ -1,0 +1,408 @@
+#include "abbe/caustics/flat/bodies.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <span>
+#include <tuple>
+#include <utility>
+
+#include "abbe/math/polygon.h"
+
+namespace abbe {
+namespace {
+
+/// Directions closer than this are one: 0.06°, far below what bends light visibly.
+constexpr double kSameDirection = 1e-6;
+
+enum class Kind { None, Glass, Mirror };
+
+Kind kind_of(const Material& material) {
+  const bool plain = !material.base_color_texture && !material.metallic_roughness_texture &&
+                     !material.normal_texture && !material.transmission_texture &&
+                     material.alpha_mode == AlphaMode::Opaque && !material.unlit &&
+                     material.roughness < kSmoothRoughness;
+  if (!plain) return Kind::None;
+  if (material.metallic == 1.0f || material.conductor) return Kind::Mirror;
+  if (material.metallic == 0.0f && material.has_volume && material.transmission == 1.0f &&
+      !material.index_is_infinite) {
+    return Kind::Glass;
+  }
+  return Kind::None;
+}
+
+// A sphere about the corners of some facets, for what has a centre and a radius.
+template <typename Bounded>
+void bound(std::span<const Facet> facets, Bounded& result) {
+  Vec3d low = facets.front().corners.front();
+  Vec3d high = low;
+  for (const Facet& facet : facets) {
+    for (const Vec3d& corner : facet.corners) {
+      low = glm::min(low, corner);
+      high = glm::max(high, corner);
+    }
+  }
+  result.center = 0.5 * (low + high);
+  result.radius_m = 0.0;
+  for (const Facet& facet : facets) {
+    for (const Vec3d& corner : facet.corners) {
+      result.radius_m = std::max(result.radius_m, glm::distance(corner, result.center));
+    }
+  }
+}
+
+// Numbers the facets of the last body and joins those of one plane, which follow each other.
+void finish(FlatBodies& found, FlatBody& body, std::vector<Facet> facets) {
+  body.first_facet = static_cast<std::uint32_t>(found.facets.size());
+  body.facet_count = static_cast<std::uint32_t>(facets.size());
+  body.first_face = static_cast<std::uint32_t>(found.faces.size());
+  const auto number = static_cast<std::uint32_t>(found.bodies.size());
+  for (std::size_t i = 0; i < facets.size();) {
+    std::size_t end = i;
+    while (end < facets.size() && facets[end].normal == facets[i].normal &&
+           facets[end].distance == facets[i].distance) {
+      facets[end].body = number;
+      bound(std::span<const Facet>(&facets[end], 1), facets[end]);
+      ++end;
+    }
+    Face face;
+    face.first_facet = body.first_facet + static_cast<std::uint32_t>(i);
+    face.facet_count = static_cast<std::uint32_t>(end - i);
+    face.body = number;
+    bound(std::span<const Facet>(&facets[i], end - i), face);
+    found.faces.push_back(face);
+    i = end;
+  }
+  body.face_count = static_cast<std::uint32_t>(found.faces.size()) - body.first_face;
+  std::move(facets.begin(), facets.end(), std::back_inserter(found.facets));
+  found.bodies.push_back(std::move(body));
+}
+
+void leave_out(FlatBodies& found, const FlatBody& body, const std::string& why, Notes& notes) {
+  notes.warn(body.name, "light through it goes straight: " + why);
+  found.fallbacks.push_back(body.name + ": " + why);
+}
+
+bool has_textured_film(const Material& material) {
+  return material.film && material.film->factor > 0.0f &&
+         (material.film->factor_texture || material.film->thickness_texture);
+}
+
+std::vector<Facet> facets_of(const ConvexShape& shape, const Mat4d& to_world) {
+  const Mat3d for_normals = glm::transpose(glm::inverse(Mat3d(to_world)));
+  std::vector<Vec4d> planes;
+  for (const Vec4d& source : shape.planes) {
+    const Vec3d normal = for_normals * Vec3d(source);
+    const double length = glm::length(normal);
+    if (!(length > 0.0)) continue;
+    const Vec3d unit = normal / length;
+    planes.push_back(Vec4d(unit, (source.w + glm::dot(normal, Vec3d(to_world[3]))) / length));
+  }
+  double reach = 1.0;
+  for (const Vec4d& plane : planes) reach = std::max(reach, std::abs(plane.w));
+  std::vector<Facet> facets;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    // The same plane given twice is one facet.
+    const bool again =
+        std::any_of(planes.begin(), planes.begin() + static_cast<long>(i),
+                    [&](const Vec4d& p) { return glm::distance(p, planes[i]) < 1e-12; });
+    if (again) continue;
+    const Vec3d normal(planes[i]);
+    std::vector<Vec3d> polygon = large_square(normal, planes[i].w, 1e4 * reach);
+    for (std::size_t j = 0; j < planes.size() && !polygon.empty(); ++j) {
+      if (j != i) polygon = clipped(polygon, Vec3d(planes[j]), planes[j].w);
+    }
+    if (polygon.size() < 3 || !(area_of(polygon) > 1e-12 * reach * reach)) continue;
+    Facet facet{.normal = normal, .distance = planes[i].w, .corners = std::move(polygon)};
+    facets.push_back(std::move(facet));
+  }
+  return facets;
+}
+
+/// A mesh welded by position and placed, with what is needed to group its triangles.
+class MeshFacets {
+ public:
+  MeshFacets(const Mesh& mesh, const Mat4d& to_world) : mesh_(mesh), to_world_(to_world) {}
+
+  // Whether the normals that shade the mesh are those of its triangles.
+  bool is_flat() {
+    weld();
+    if (mesh_.normals.empty()) return true;
+    for (const auto& t : mesh_.triangles) {
+      const Vec3d a(mesh_.positions[t[0]]);
+      const Vec3d normal =
+          glm::cross(Vec3d(mesh_.positions[t[1]]) - a, Vec3d(mesh_.positions[t[2]]) - a);
+      const double length = glm::length(normal);
+      if (!(length > 0.0)) continue;
+      for (const std::uint32_t corner : t) {
+        const Vec3d shading(mesh_.normals[corner]);
+        const double shading_length = glm::length(shading);
+        if (!(shading_length > 0.0)) continue;
+        // Exporters write normals in single precision or less.
+        if (glm::dot(normal, shading) < (1.0 - 1e-4) * length * shading_length) return false;
+      }
+    }
+    return true;
+  }
+
+  bool is_closed() const {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
+    for (const auto& t : triangles_) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t a = t[i];
+        const std::uint32_t b = t[(i + 1) % 3];
+        balance[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : 100000;
+      }
+    }
+    return std::all_of(balance.begin(), balance.end(),
+                       [](const auto& edge) { return edge.second == 100001; });
+  }
+
+  std::vector<Facet> facets() const {
+    const std::vector<std::size_t> group = groups();
+    std::map<std::size_t, std::vector<std::size_t>> members;
+    for (std::size_t i = 0; i < group.size(); ++i) members[group[i]].push_back(i);
+    std::vector<Facet> facets;
+    for (const auto& [first, list] : members) add_group(list, facets);
+    return facets;
+  }
+
+ private:
+  void weld() {
+    std::map<std::tuple<float, float, float>, std::uint32_t> known;
+    std::vector<std::uint32_t> number;
+    for (const Vec3f& position : mesh_.positions) {
+      // Adding 0 makes −0 and 0 the same place.
+      const auto [entry, is_new] =
+          known.try_emplace({position.x + 0.0f, position.y + 0.0f, position.z + 0.0f},
+                            static_cast<std::uint32_t>(corners_.size()));
+      if (is_new) corners_.push_back(Vec3d(to_world_ * Vec4d(Vec3d(position), 1.0)));
+      number.push_back(entry->second);
+    }
+    const bool mirrored = glm::determinant(Mat3d(to_world_)) < 0.0;
+    for (const auto& t : mesh_.triangles) {
+      std::array<std::uint32_t, 3> welded{number[t[0]], number[t[1]], number[t[2]]};
+      if (mirrored) std::swap(welded[1], welded[2]);
+      if (welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0]) continue;
+      triangles_.push_back(welded);
+    }
+  }
+
+  Vec3d normal_of(std::size_t i) const {
+    const auto& t = triangles_[i];
+    const Vec3d normal =
+        glm::cross(corners_[t[1]] - corners_[t[0]], corners_[t[2]] - corners_[t[0]]);
+    const double length = glm::length(normal);
+    return length > 0.0 ? normal / length : Vec3d(0.0);
+  }
+
+  // Triangles that share an edge and a direction, named by the first of them.
+  std::vector<std::size_t> groups() const {
+    std::vector<std::size_t> group(triangles_.size());
+    for (std::size_t i = 0; i < group.size(); ++i) group[i] = i;
+    const auto root = [&](std::size_t i) {
+      while (group[i] != i) i = group[i];
+      return i;
+    };
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> edges;
+    for (std::size_t i = 0; i < triangles_.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = triangles_[i][k];
+        const std::uint32_t b = triangles_[i][(k + 1) % 3];
+        const auto [entry, is_new] = edges.try_emplace({std::min(a, b), std::max(a, b)}, i);
+        if (is_new) continue;
+        const std::size_t other = entry->second;
+        if (glm::dot(normal_of(i), normal_of(other)) < 1.0 - kSameDirection) continue;
+        const std::size_t r1 = root(i);
+        const std::size_t r2 = root(other);
+        group[std::max(r1, r2)] = std::min(r1, r2);
+      }
+    }
+    for (std::size_t i = 0; i < group.size(); ++i) group[i] = root(i);
+    return group;
+  }
+
+  void add_group(const std::vector<std::size_t>& list, std::vector<Facet>& facets) const {
+    double total_area = 0.0;
+    Vec3d sum(0.0);
+    std::vector<Vec3d> points;
+    for (const std::size_t i : list) {
+      const auto& t = triangles_[i];
+      const Vec3d twice =
+          glm::cross(corners_[t[1]] - corners_[t[0]], corners_[t[2]] - corners_[t[0]]);
+      sum += twice;
+      total_area += 0.5 * glm::length(twice);
+      for (const std::uint32_t corner : t) points.push_back(corners_[corner]);
+    }
+    if (!(total_area > 0.0)) return;
+    const Vec3d normal = glm::normalize(sum);
+    std::vector<Vec3d> hull = convex_hull(points, normal);
+    double distance = 0.0;
+    for (const Vec3d& point : points) distance += glm::dot(normal, point);
+    distance /= static_cast<double>(points.size());
+    const auto add = [&](std::vector<Vec3d> corners) {
+      Facet facet{.normal = normal, .distance = distance, .corners = std::move(corners)};
+      facets.push_back(std::move(facet));
+    };
+    // As large as its hull: the union is convex.
+    if (hull.size() >= 3 && area_of(hull) <= total_area * (1.0 + 1e-6)) {
+      add(std::move(hull));
+      return;
+    }
+    for (const std::size_t i : list) {
+      const auto& t = triangles_[i];
+      add({corners_[t[0]], corners_[t[1]], corners_[t[2]]});
+    }
+  }
+
+  const Mesh& mesh_;
+  const Mat4d to_world_;
+  std::vector<Vec3d> corners_;
+  std::vector<std::array<std::uint32_t, 3>> triangles_;
+};
+
+double size_of(const std::vector<Facet>& facets) {
+  Vec3d low(1e300);
+  Vec3d high(-1e300);
+  for (const Facet& facet : facets) {
+    for (const Vec3d& corner : facet.corners) {
+      low = glm::min(low, corner);
+      high = glm::max(high, corner);
+    }
+  }
+  return glm::distance(low, high);
+}
+
+// Whether an edge of one facet goes through the inside of another.
+bool meets_itself(const std::vector<Facet>& facets) {
+  const double slack = 1e-6 * size_of(facets);
+  for (const Facet& facet : facets) {
+    for (std::size_t i = 0; i < facet.corners.size(); ++i) {
+      const Vec3d& a = facet.corners[i];
+      const Vec3d& b = facet.corners[(i + 1) % facet.corners.size()];
+      for (const Facet& other : facets) {
+        const double da = glm::dot(other.normal, a) - other.distance;
+        const double db = glm::dot(other.normal, b) - other.distance;
+        if ((da > -slack && db > -slack) || (da < slack && db < slack)) continue;
+        const Vec3d crossing = a + (da / (da - db)) * (b - a);
+        if (distance_inside(other.corners, other.normal, crossing) > slack) return true;
+      }
+    }
+  }
+  return false;
+}
+
+bool is_convex(const std::vector<Facet>& facets) {
+  const double slack = 1e-6 * size_of(facets);
+  for (const Facet& facet : facets) {
+    for (const Facet& other : facets) {
+      for (const Vec3d& corner : other.corners) {
+        if (glm::dot(facet.normal, corner) > facet.distance + slack) return false;
+      }
+    }
+  }
+  return true;
+}
+
+// The facets of a flat mesh, or why it has none that are worth having.
+struct MeshOutcome {
+  std::vector<Facet> facets;
+  std::string trouble;
+};
+
+MeshOutcome mesh_outcome(const Mesh& mesh, const MeshFacets& mesh_facets, bool is_mirror) {
+  // Grouping and the test for crossings are only tried where the answer can be useful.
+  constexpr std::size_t kMaxTriangles = 64 * kMaxFacets;
+  if (mesh.triangles.size() > kMaxTriangles) {
+    return {{}, fmt::format("it has {} triangles", mesh.triangles.size())};
+  }
+  std::vector<Facet> facets = mesh_facets.facets();
+  if (facets.size() > kMaxFacets) {
+    return {{}, fmt::format("it has {} facets, more than {}", facets.size(), kMaxFacets)};
+  }
+  if (is_mirror || facets.empty()) return {std::move(facets), ""};
+  if (!mesh_facets.is_closed()) return {{}, "its mesh is open"};
+  if (meets_itself(facets)) return {{}, "its mesh meets itself"};
+  return {std::move(facets), ""};
+}
+
+// Adds an instance if it is a flat body.
+void add_instance(const Scene& scene, std::uint32_t number, Notes& notes, FlatBodies& found) {
+  const Instance& instance = scene.instances[number];
+  const auto* mesh_number = std::get_if<std::uint32_t>(&instance.what);
+  const Mesh* mesh = mesh_number != nullptr ? &scene.meshes[*mesh_number] : nullptr;
+  const Shape* shape = mesh == nullptr ? &std::get<Shape>(instance.what) : nullptr;
+  FlatBody body;
+  body.name = !instance.name.empty() ? instance.name : mesh != nullptr ? mesh->name : shape->name;
+  if (body.name.empty()) body.name = fmt::format("object {}", number);
+  body.instance = number;
+  body.material = mesh != nullptr ? mesh->material : shape->material;
+  const Material& material = scene.materials[body.material];
+  const Kind kind = kind_of(material);
+  if (kind == Kind::None) return;
+  body.is_mirror = kind == Kind::Mirror;
+  MeshOutcome outcome;
+  if (has_textured_film(material)) outcome.trouble = "a texture shapes its thin film";
+  if (shape != nullptr) {
+    const auto* convex = std::get_if<ConvexShape>(&shape->geometry);
+    if (convex == nullptr) return;
+    outcome.facets = facets_of(*convex, instance.to_world);
+    body.is_convex = true;
+  } else {
+    MeshFacets mesh_facets(*mesh, instance.to_world);
+    if (!mesh_facets.is_flat()) return;
+    if (outcome.trouble.empty()) {
+      outcome = mesh_outcome(*mesh, mesh_facets, body.is_mirror);
+      if (outcome.facets.empty() && outcome.trouble.empty()) return;
+      body.is_convex = !body.is_mirror && is_convex(outcome.facets);
+    }
+  }
+  if (outcome.trouble.empty()) {
+    finish(found, body, std::move(outcome.facets));
+  } else if (!body.is_mirror) {
+    leave_out(found, body, outcome.trouble, notes);
+  }
+}
+
+// Marks bodies that something reaches into or lies in, by their boxes.
+void mark_inclusions(const Scene& scene, FlatBodies& found) {
+  std::vector<Box3f> boxes;
+  for (const Instance& instance : scene.instances) boxes.push_back(bounds_of(scene, instance));
+  for (FlatBody& body : found.bodies) {
+    const Box3f& own = boxes[body.instance];
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      if (i == body.instance) continue;
+      const bool apart = glm::any(glm::lessThan(boxes[i].high, own.low)) ||
+                         glm::any(glm::lessThan(own.high, boxes[i].low));
+      body.has_inclusions |= !apart;
+    }
+  }
+}
+
+}  // namespace
+
+FlatBodies find_flat_bodies(const Scene& scene, Notes& notes) {
+  FlatBodies found;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) add_instance(scene, i, notes, found);
+  mark_inclusions(scene, found);
+  return found;
+}
+
+FlatBodies without_body(FlatBodies flat, std::uint32_t body, const std::string& why, Notes& notes) {
+  FlatBodies kept;
+  kept.fallbacks = std::move(flat.fallbacks);
+  leave_out(kept, flat.bodies[body], why, notes);
+  for (std::uint32_t b = 0; b < flat.bodies.size(); ++b) {
+    if (b == body) continue;
+    const auto first = flat.facets.begin() + flat.bodies[b].first_facet;
+    finish(kept, flat.bodies[b], {first, first + flat.bodies[b].facet_count});
+  }
+  return kept;
+}
+
+}  // namespace abbe

@@ -1,0 +1,66 @@
+/// Bodies with flat faces, found in a scene: the ones that light is followed through exactly.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "abbe/base/notes.h"
+#include "abbe/math/vec.h"
+#include "abbe/scene/scene.h"
+
+namespace abbe {
+
+/// One convex piece of a flat face. A face that is not convex is several of them.
+struct Facet {
+  Vec3d normal{0.0, 0.0, 1.0};  ///< Unit length, pointing out of the body.
+  double distance = 0.0;        ///< n·x on the plane, metres.
+  std::vector<Vec3d> corners;   ///< Counter-clockwise seen from outside.
+  Vec3d center{0.0};            ///< Of a sphere about the corners.
+  double radius_m = 0.0;
+  std::uint32_t body = 0;
+};
+
+/// Facets of a body that lie in one plane and side by side: a flat face, convex or not.
+struct Face {
+  std::uint32_t first_facet = 0, facet_count = 0;
+  std::uint32_t body = 0;
+  Vec3d center{0.0};  ///< Of a sphere about the corners.
+  double radius_m = 0.0;
+};
+
+/// A closed body of smooth glass, or a smooth flat mirror.
+struct FlatBody {
+  std::string name;
+  std::uint32_t instance = 0;  ///< Number in the scene, which is that of its surface, too.
+  std::uint32_t material = 0;
+  std::uint32_t first_facet = 0, facet_count = 0;
+  std::uint32_t first_face = 0, face_count = 0;
+  bool is_mirror = false;       ///< Opaque metal: it only reflects.
+  bool is_convex = false;       ///< Straight lines inside meet no other facet.
+  bool has_inclusions = false;  ///< Another object may lie in it or reach into it.
+};
+
+struct FlatBodies {
+  std::vector<FlatBody> bodies;
+  std::vector<Facet> facets;
+  std::vector<Face> faces;
+  /// Glass that had to be left to the straight shadow ray, each as "name: why".
+  std::vector<std::string> fallbacks;
+};
+
+/// Most facets of a body whose chains are worth counting out.
+inline constexpr std::size_t kMaxFacets = 512;
+
+/// Finds smooth untextured dielectrics with flat faces (convex shapes, closed meshes) and smooth
+/// mirrors with flat faces; thin films without textures may be on them. Coplanar triangles that
+/// touch become one facet where their union is convex. Meshes whose normals make flat triangles
+/// look curved are no flat bodies. Errors: none; a mesh that is open, meets itself or has more than
+/// kMaxFacets facets is left out,
+///         with one warning that names it.
+FlatBodies find_flat_bodies(const Scene& scene, Notes& notes);
+
+/// The bodies without one of them, with one warning that names it and says why.
+FlatBodies without_body(FlatBodies flat, std::uint32_t body, const std::string& why, Notes& notes);
+
+}  // namespace abbe

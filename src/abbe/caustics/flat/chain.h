@@ -1,0 +1,54 @@
+/// Chains: the paths on which light of a lamp goes round a corner over flat facets, each known
+/// without chance.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "abbe/caustics/flat/bodies.h"
+#include "abbe/math/vec.h"
+
+namespace abbe {
+
+/// What happens to light at a facet of a chain.
+enum class ChainEvent : std::uint8_t { Enter, Leave, ReflectInside, ReflectOutside };
+
+/// A facet of a chain.
+struct ChainStep {
+  ChainEvent event = ChainEvent::Enter;
+  std::uint32_t facet = 0;     ///< Index into FlatBodies::facets.
+  std::uint32_t material = 0;  ///< Of its body.
+  Vec3f normal{0.0f};
+  float distance_m = 0.0f;  ///< Plane n·x = distance, x relative to the chain's origin.
+  bool is_checked = false;  ///< The segment inside that ends here may meet something.
+
+  bool comes_from_inside() const {
+    return event == ChainEvent::Leave || event == ChainEvent::ReflectInside;
+  }
+  bool goes_on_inside() const {
+    return event == ChainEvent::Enter || event == ChainEvent::ReflectInside;
+  }
+  bool refracts() const { return event == ChainEvent::Enter || event == ChainEvent::Leave; }
+};
+
+/// Step of a chain over a facet; its plane is relative to the world's origin until the chain has
+/// one.
+ChainStep make_chain_step(const FlatBodies& flat, std::uint32_t facet, ChainEvent event);
+
+/// The facets that light of one lamp meets one after the other.
+struct ChainPath {
+  std::uint32_t light = 0;
+  std::vector<ChainStep> steps;
+  bool ends_inside = false;  ///< It lights the inside of the last step's body.
+  Vec3f origin{0.0f};        ///< Points are taken relative to it: keeps precision.
+  float largest = 0.0f;      ///< Bound of what it adds to the light of its lamp, for any lane.
+};
+
+/// Most bodies that one chain goes through.
+inline constexpr int kMaxChainBodies = 2;
+
+/// Most facets of a chain.
+inline constexpr std::size_t kMaxChainSteps = 16;
+
+}  // namespace abbe

@@ -1,0 +1,54 @@
+/// Light that comes through flat glass and off flat mirrors, found path by path instead of sampled.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "abbe/base/notes.h"
+#include "abbe/caustics/flat/bodies.h"
+#include "abbe/caustics/flat/parallel_chain.h"
+#include "abbe/caustics/flat/point_chain.h"
+#include "abbe/world/world.h"
+
+namespace abbe {
+
+/// How light is followed over facets.
+struct CausticOptions {
+  bool exact = true;          ///< Otherwise straight shadow rays everywhere.
+  int inner_reflections = 1;  ///< Most of them in one body.
+  double cutoff = 1e-4;       ///< Chains whose weight stays below this are cut.
+};
+
+/// What was found and what was left out.
+struct CausticReport {
+  std::size_t bodies = 0, facets = 0, chains = 0;
+  double share_cut = 0.0;  ///< Share of the light on facets that chains below the cutoff carried.
+  std::vector<std::string> fallbacks;  ///< As in FlatBodies.
+};
+
+/// The chains of one light, as numbers of those of all.
+struct LightChains {
+  std::vector<std::uint32_t> parallel;  ///< In ParallelChains::chains.
+  std::vector<std::uint32_t> point;     ///< In PointChains::chains.
+};
+
+/// All light that is followed over flat facets.
+struct FlatCaustics {
+  FlatBodies flat;
+  ParallelChains parallel;
+  PointChains point;
+  /// By the number of a light; fewer where the last ones have none. A light that is followed has an
+  /// entry, if only an empty one: its straight rays end at what followed light passes.
+  std::vector<std::optional<LightChains>> of_lights;
+  /// Per surface: not 0 where light that it lets pass comes on chains.
+  std::vector<std::uint8_t> surface_is_exact;
+  CausticReport report;
+
+  const LightChains* of_light(std::size_t light) const {
+    return light < of_lights.size() && of_lights[light] ? &*of_lights[light] : nullptr;
+  }
+};
+
+}  // namespace abbe

@@ -1,0 +1,223 @@
+/// Light that reaches places on chains of parallel light (caustics/flat/parallel_chain.h), for all
+/// lanes at once. Highway code, compiled once per instruction set.
+
+#if defined(ABBE_CAUSTICS_FLAT_LIGHT_PARALLEL_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ABBE_CAUSTICS_FLAT_LIGHT_PARALLEL_INL_H_
+#undef ABBE_CAUSTICS_FLAT_LIGHT_PARALLEL_INL_H_
+#else
+#define ABBE_CAUSTICS_FLAT_LIGHT_PARALLEL_INL_H_
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "abbe/caustics/flat/flat_caustics.h"
+#include "abbe/caustics/flat/light/chain_places.h"
+#include "abbe/caustics/flat/light/lit_pixel-inl.h"
+#include "abbe/math/segment-inl.h"
+#include "abbe/optics/fresnel-inl.h"
+#include "abbe/world/world.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace abbe {
+namespace HWY_NAMESPACE {
+
+/// Whether a ball about `center` may get light from a chain; a quick no.
+inline bool may_light(const ParallelChain& chain, const Vec3f& center, float radius_m) {
+  const Vec3f v = center - chain.bound_center;
+  const float along = glm::dot(v, chain.bound_axis);
+  const float reach = chain.bound_radius_m + radius_m;
+  if (along < -reach) return false;
+  // The cone's tip is a ball: at a distance its cross section has grown by that distance's share.
+  const float across2 = glm::dot(v, v) - along * along;
+  const float widest = reach * (1.0f + chain.bound_tan) + std::max(along, 0.0f) * chain.bound_tan;
+  return across2 <= widest * widest;
+}
+
+/// A chain's light at a batch of places, lane by lane.
+template <class D>
+class ParallelChainLight {
+ public:
+  ParallelChainLight(const TabulatedScene& tables, const ParallelChains& chains,
+                     const ParallelChain& chain, int set)
+      : tables_(tables),
+        chain_(chain),
+        light_(tables.lights[chain.light]),
+        rows_(chains.of(chain, set)),
+        set_(set) {}
+
+  /// Fills directions to the light, distances to the last facet, and the irradiance across them, 0
+  /// in lanes that are not lit. Returns whether any lane is. The light is the mean over a pixel
+  /// about each place, each plane of the lit prism taken along the side that it cuts more squarely.
+  /// The geometry is that of the lit place nearest to each, so that what stands in the way is asked
+  /// where the samples are.
+  bool run(const LaneArray3& positions, const PixelOnSurface& pixel, LightGeometry& geometry,
+           ChainPlaces& met) const {
+    const D d;
+    bool any = false;
+    for (int i = 0; i < tables_.lanes.lane_stride(); i += static_cast<int>(hn::Lanes(d))) {
+      any |= light_lanes(positions, pixel, i, geometry, met);
+    }
+    return any;
+  }
+
+  /// The part of every ray [0, end) that the chain lights. Returns whether it is anything in any
+  /// lane of positive weight.
+  bool segments(const LaneArray3& origins, const LaneArray3& directions, const LaneArray& ends_m,
+                LaneSegments& lit) const {
+    const D d;
+    const auto zero = hn::Zero(d);
+    bool any = false;
+    for (int i = 0; i < tables_.lanes.lane_stride(); i += static_cast<int>(hn::Lanes(d))) {
+      const auto origin = Combine3(d, hn::Set(d, 1.0f), Load3(d, origins, i), hn::Set(d, -1.0f),
+                                   Set3(d, chain_.origin));
+      const auto direction = Load3(d, directions, i);
+      auto begin = zero;
+      auto end = hn::IfThenElseZero(hn::Gt(hn::LoadU(d, rows_.weight() + i), zero),
+                                    hn::Load(d, ends_m.v + i));
+      for (std::size_t s = 0; s < chain_.side_count && !hn::AllFalse(d, hn::Lt(begin, end)); ++s) {
+        const Side side = side_at(s, i);
+        ClipSegment(d, hn::Add(Dot3(d, side.normal, origin), side.offset),
+                    Dot3(d, side.normal, direction), begin, end);
+      }
+      any |= !hn::AllFalse(d, hn::Lt(begin, end));
+      hn::Store(begin, d, lit.begin_m.v + i);
+      hn::Store(hn::Max(begin, end), d, lit.end_m.v + i);
+    }
+    return any;
+  }
+
+ private:
+  using V = VecOf<D>;
+  using V3 = Vec3Of<D>;
+  using M = hn::Mask<D>;
+
+  struct Side {
+    V3 normal;
+    V offset;
+  };
+
+  V3 load(const float* row, int i) const {
+    const D d;
+    return {hn::LoadU(d, row + i), hn::LoadU(d, row + rows_.stride + i),
+            hn::LoadU(d, row + 2 * rows_.stride + i)};
+  }
+  Side side_at(std::size_t number, int i) const {
+    const float* row = rows_.side(number);
+    return {load(row, i), hn::LoadU(D(), row + 3 * rows_.stride + i)};
+  }
+
+  bool light_lanes(const LaneArray3& positions, const PixelOnSurface& pixel, int i,
+                   LightGeometry& geometry, ChainPlaces& met) const {
+    const D d;
+    const auto zero = hn::Zero(d);
+    const auto one = hn::Set(d, 1.0f);
+    const Vec3f to_pixel = pixel.shift - chain_.origin;
+    V3 place = Combine3(d, one, Load3(d, positions, i), one, Set3(d, to_pixel));
+    const V weight = hn::LoadU(d, rows_.weight() + i);
+    V irradiance = hn::Mul(weight, hn::LoadU(d, tables_.row(light_.row, set_) + i));
+    const M lit = clip_to_lit(hn::Gt(weight, zero), pixel, i, place, irradiance);
+    if (hn::AllFalse(d, lit)) {
+      hn::Store(zero, d, geometry.irradiance.v + i);
+      Store3(d, Set3(d, Vec3f(0.0f, 0.0f, 1.0f)), geometry.direction, i);
+      hn::Store(zero, d, geometry.distance_m.v + i);
+      return false;
+    }
+    const V size = hn::Add(hn::Abs(place.x), hn::Add(hn::Abs(place.y), hn::Abs(place.z)));
+    irradiance = follow_back(place, i, irradiance, geometry, met);
+    hn::Store(hn::IfThenElseZero(lit, irradiance), d, geometry.irradiance.v + i);
+    // A few roundings of numbers as large as the path and the place in the world.
+    const float far =
+        std::max({std::abs(chain_.origin.x), std::abs(chain_.origin.y), std::abs(chain_.origin.z)});
+    const V scale = hn::Add(hn::Add(size, hn::Load(d, geometry.distance_m.v + i)), hn::Set(d, far));
+    hn::Store(hn::Mul(scale, hn::Set(d, 2e-6f)), d, met.slack_m.v + i);
+    return true;
+  }
+
+  // The lanes of `lit` whose pixel the light falls on, the light of the whole pixel, and the lit
+  // place that is nearest to the one at hand.
+  M clip_to_lit(M lit, const PixelOnSurface& pixel, int i, V3& place, V& irradiance) const {
+    const D d;
+    const auto zero = hn::Zero(d);
+    const V3 side_x = Set3(d, pixel.sides[0]);
+    const V3 side_y = Set3(d, pixel.sides[1]);
+    LitPart<D> part_x(d, pixel), part_y(d, pixel);
+    for (std::size_t s = 0; s < chain_.side_count && !hn::AllFalse(d, lit); ++s) {
+      const Side side = side_at(s, i);
+      const V height = hn::Add(Dot3(d, side.normal, place), side.offset);
+      if (pixel.is_point()) {
+        lit = hn::And(lit, hn::Ge(height, zero));
+        continue;
+      }
+      const V rise_x = Dot3(d, side.normal, side_x);
+      const V rise_y = Dot3(d, side.normal, side_y);
+      const M is_flat = hn::Eq(hn::Max(hn::Abs(rise_x), hn::Abs(rise_y)), zero);
+      const M by_x = hn::Ge(hn::Abs(rise_x), hn::Abs(rise_y));
+      part_x.clip(d, hn::AndNot(is_flat, by_x), height, rise_x);
+      part_y.clip(d, hn::Not(by_x), height, rise_y);
+      lit = hn::And(lit, hn::Or(hn::AndNot(is_flat, hn::And(part_x.is_there(), part_y.is_there())),
+                                hn::And(is_flat, hn::Ge(height, zero))));
+    }
+    if (pixel.is_point() || hn::AllFalse(d, lit)) return lit;
+    const auto one = hn::Set(d, 1.0f);
+    irradiance = hn::Mul(irradiance, hn::Mul(part_x.share(d, pixel), part_y.share(d, pixel)));
+    place = Combine3(d, one, place, part_x.nearest(d, pixel.offset_px.x), side_x);
+    place = Combine3(d, one, place, part_y.nearest(d, pixel.offset_px.y), side_y);
+    return lit;
+  }
+
+  // Goes back from a place over the facets; returns what is left of its light after what absorbs
+  // on that path and is not asked for by itself.
+  V follow_back(V3 place, int i, V irradiance, LightGeometry& geometry, ChainPlaces& met) const {
+    const D d;
+    const auto zero = hn::Zero(d);
+    V fog_m = zero;
+    const std::size_t step_count = chain_.steps.size();
+    for (std::size_t s = step_count; s-- > 0;) {
+      const ChainStep& step = chain_.steps[s];
+      const V3 direction = load(rows_.direction(s), i);
+      const V3 normal = Set3(d, step.normal);
+      const V height = hn::Sub(Dot3(d, normal, place), hn::Set(d, step.distance_m));
+      const V length = hn::Max(hn::Div(height, Dot3(d, normal, direction)), zero);
+      place = Combine3(d, hn::Set(d, 1.0f), place, hn::Neg(length), direction);
+      Store3(d, place, met.places[s], i);
+      if (s + 1 == step_count) {
+        const V3 to_light{hn::Neg(direction.x), hn::Neg(direction.y), hn::Neg(direction.z)};
+        Store3(d, to_light, geometry.direction, i);
+        hn::Store(length, d, geometry.distance_m.v + i);
+      }
+      if (!step.goes_on_inside()) {
+        fog_m = hn::Add(fog_m, length);
+        continue;
+      }
+      // Where something may stand on a segment inside, the query for that absorbs, too.
+      const bool is_asked = s + 1 == step_count || chain_.steps[s + 1].is_checked;
+      const SurfaceMaterial& material = tables_.materials[step.material];
+      if (is_asked || !material.absorption_per_m) continue;
+      const V per_m = hn::LoadU(d, tables_.row(*material.absorption_per_m, set_) + i);
+      irradiance = hn::Mul(irradiance, ExpNegative(d, hn::Mul(per_m, length)));
+    }
+    if (!tables_.fog) return irradiance;
+    if (light_.beam) {
+      const Vec3f from_light = chain_.origin - light_.position;
+      const V along = hn::Add(Dot3(d, place, Set3(d, light_.direction)),
+                              hn::Set(d, glm::dot(from_light, light_.direction)));
+      fog_m = hn::Add(fog_m, hn::Max(along, zero));
+    }
+    const V depth = hn::Mul(fog_m, hn::Set(d, tables_.fog->extinction_per_m));
+    return hn::Mul(irradiance, ExpNegative(d, depth));
+  }
+
+  const TabulatedScene& tables_;
+  const ParallelChain& chain_;
+  const WorldLight& light_;
+  const ParallelChainRows<const float> rows_;
+  const int set_;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace abbe
+HWY_AFTER_NAMESPACE();
+
+#endif  // ABBE_CAUSTICS_FLAT_LIGHT_PARALLEL_INL_H_

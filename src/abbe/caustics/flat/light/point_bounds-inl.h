@@ -1,0 +1,192 @@
+/// Quick answers to whether chains of a point light may come to a place or to fog on a ray: the
+/// eight planes of caustics/flat/point_chain.h, all at once. Highway code, compiled once per
+/// instruction set.
+
+#if defined(ABBE_CAUSTICS_FLAT_LIGHT_POINT_BOUNDS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ABBE_CAUSTICS_FLAT_LIGHT_POINT_BOUNDS_INL_H_
+#undef ABBE_CAUSTICS_FLAT_LIGHT_POINT_BOUNDS_INL_H_
+#else
+#define ABBE_CAUSTICS_FLAT_LIGHT_POINT_BOUNDS_INL_H_
+#endif
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "abbe/caustics/flat/point_chain.h"
+#include "abbe/math/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace abbe {
+namespace HWY_NAMESPACE {
+
+/// A place that touches a face is in front of it, too: closer than this share of its coordinates.
+inline constexpr float kTouches = 4e-6f;
+
+/// Where a ball lies in the frame of a group of chains.
+struct PlaceInGroup {
+  float height_m = 0.0f, radius_m = 0.0f;
+  float along_m[8];  ///< Along the directions of the bounds.
+};
+
+/// Whether a ball may get light from any chain of a group; a quick no.
+inline bool may_light(const PointChainGroup& group, const Vec3f& center, float radius_m,
+                      PlaceInGroup& place) {
+  const Vec3f v = center - group.origin;
+  place.height_m = glm::dot(v, group.normal);
+  place.radius_m = radius_m + kTouches * (std::abs(v.x) + std::abs(v.y) + std::abs(v.z));
+  if (place.height_m < -place.radius_m) return false;
+  const float u = glm::dot(v, group.u);
+  const float w = glm::dot(v, group.v);
+  for (std::size_t k = 0; k < 8; ++k) place.along_m[k] = u * kBoundCosine[k] + w * kBoundSine[k];
+  return true;
+}
+
+/// Whether a place may lie in the bounds of a chain or group.
+inline bool is_in_bounds(const PlaceInGroup& place, const std::array<float, 8>& reach,
+                         const std::array<float, 8>& slope) {
+  const hn::CappedTag<float, 8> d;
+  const auto height = hn::Set(d, std::max(place.height_m, 0.0f));
+  const auto radius = hn::Set(d, place.radius_m);
+  for (std::size_t k = 0; k < 8; k += hn::Lanes(d)) {
+    const auto slopes = hn::LoadU(d, slope.data() + k);
+    const auto grown = hn::Add(hn::Mul(height, slopes), hn::Mul(radius, hn::Abs(slopes)));
+    const auto most = hn::Add(hn::Add(hn::LoadU(d, reach.data() + k), radius), grown);
+    if (!hn::AllTrue(d, hn::Le(hn::LoadU(d, place.along_m + k), most))) return false;
+  }
+  return true;
+}
+
+/// Whether a place may get light from a chain.
+inline bool is_in_bounds(const PlaceInGroup& place, const PointChains& all,
+                         const PointChain& chain) {
+  if (!is_in_bounds(place, chain.reach, chain.slope)) return false;
+  for (std::uint32_t b = chain.first_bunch; b < chain.last_bunch; ++b) {
+    const ConeBunch& bunch = all.bunches[b];
+    if (!is_in_bounds(place, bunch.bounds.reach, bunch.bounds.slope)) continue;
+    for (std::uint32_t c = bunch.first_cone; c < bunch.last_cone; ++c) {
+      if (is_in_bounds(place, all.cones[c].reach, all.cones[c].slope)) return true;
+    }
+  }
+  return false;
+}
+
+/// The places of the lanes of a spread fan in the frame of a group of chains.
+template <class D>
+class LanesInGroup {
+ public:
+  /// Returns those of `among` that the group may light.
+  LaneMask place(int stride, const PointChainGroup& group, const LaneArray3& positions,
+                 const LaneMask& among) {
+    const D d;
+    const V touches = hn::Set(d, kTouches);
+    LaneMask found;
+    for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
+      const auto wanted = LanesFrom(d, among, i);
+      if (hn::AllFalse(d, wanted)) continue;
+      const Vec3Of<D> v = Combine3(d, hn::Set(d, 1.0f), Load3(d, positions, i), hn::Set(d, -1.0f),
+                                   Set3(d, group.origin));
+      const V height = Dot3(d, v, Set3(d, group.normal));
+      const V radius = hn::Mul(touches, hn::Add(hn::Add(hn::Abs(v.x), hn::Abs(v.y)), hn::Abs(v.z)));
+      const V u = Dot3(d, v, Set3(d, group.u));
+      const V w = Dot3(d, v, Set3(d, group.v));
+      for (std::size_t k = 0; k < 8; ++k) {
+        hn::Store(
+            hn::Add(hn::Mul(u, hn::Set(d, kBoundCosine[k])), hn::Mul(w, hn::Set(d, kBoundSine[k]))),
+            d, along_m_[k].v + i);
+      }
+      hn::Store(radius, d, radius_m_.v + i);
+      hn::Store(hn::Max(height, hn::Zero(d)), d, height_m_.v + i);
+      const auto is_in_front = hn::And(wanted, hn::Ge(height, hn::Neg(radius)));
+      SetLanesFrom(d, in_cone(group.reach, group.slope, is_in_front, i), i, found);
+    }
+    return found;
+  }
+
+  /// Of these, those that a chain may light.
+  LaneMask in_bounds(int stride, const PointChains& all, const PointChain& chain,
+                     const LaneMask& among) const {
+    const D d;
+    LaneMask found;
+    for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
+      auto left = in_cone(chain.reach, chain.slope, LanesFrom(d, among, i), i);
+      const auto wanted = left;
+      for (std::uint32_t b = chain.first_bunch; b < chain.last_bunch; ++b) {
+        const ConeBunch& bunch = all.bunches[b];
+        if (hn::AllFalse(d, in_cone(bunch.bounds.reach, bunch.bounds.slope, left, i))) continue;
+        for (std::uint32_t c = bunch.first_cone; c < bunch.last_cone; ++c) {
+          left = hn::AndNot(in_cone(all.cones[c].reach, all.cones[c].slope, left, i), left);
+        }
+      }
+      SetLanesFrom(d, hn::AndNot(left, wanted), i, found);
+    }
+    return found;
+  }
+
+ private:
+  using V = VecOf<D>;
+
+  hn::Mask<D> in_cone(const std::array<float, 8>& reach, const std::array<float, 8>& slope,
+                      hn::Mask<D> among, int i) const {
+    const D d;
+    const V height = hn::Load(d, height_m_.v + i);
+    const V radius = hn::Load(d, radius_m_.v + i);
+    for (std::size_t k = 0; k < 8; ++k) {
+      const V grown = hn::Add(hn::Mul(height, hn::Set(d, slope[k])),
+                              hn::Mul(radius, hn::Set(d, 1.0f + std::abs(slope[k]))));
+      const V most = hn::Add(hn::Set(d, reach[k]), grown);
+      among = hn::And(among, hn::Le(hn::Load(d, along_m_[k].v + i), most));
+      if (hn::AllFalse(d, among)) break;
+    }
+    return among;
+  }
+
+  LaneArray height_m_, radius_m_;
+  std::array<LaneArray, 8> along_m_;  ///< Along the directions of the bounds.
+};
+
+/// The part of a ray [0, end_m) that may lie in the bounds of a chain or group; false where that is
+/// nothing.
+inline bool SegmentInBounds(const PointChainGroup& group, const std::array<float, 8>& reach,
+                            const std::array<float, 8>& slope, const Vec3f& origin,
+                            const Vec3f& direction, float end_m, float* begin, float* end) {
+  const hn::CappedTag<float, 8> d;
+  const Vec3f v = origin - group.origin;
+  const float height = glm::dot(v, group.normal);
+  const float rise = glm::dot(direction, group.normal);
+  float first = 0.0f;
+  float last = end_m;
+  *begin = *end = 0.0f;
+  // In front of the face.
+  if (rise > 0.0f) first = std::max(first, -height / rise);
+  if (rise < 0.0f) last = std::min(last, -height / rise);
+  if (rise == 0.0f && height < 0.0f) return false;
+  const auto zero = hn::Zero(d);
+  const auto heights = hn::Set(d, height);
+  const auto rises = hn::Set(d, rise);
+  const auto along = [&](const Vec3f& x, std::size_t k) {
+    return hn::Add(hn::Mul(hn::LoadU(d, kBoundCosine.data() + k), hn::Set(d, glm::dot(x, group.u))),
+                   hn::Mul(hn::LoadU(d, kBoundSine.data() + k), hn::Set(d, glm::dot(x, group.v))));
+  };
+  for (std::size_t k = 0; k < 8; k += hn::Lanes(d)) {
+    const auto slopes = hn::LoadU(d, slope.data() + k);
+    const auto room =
+        hn::Sub(hn::Add(hn::LoadU(d, reach.data() + k), hn::Mul(heights, slopes)), along(v, k));
+    const auto growth = hn::Sub(hn::Mul(rises, slopes), along(direction, k));
+    const auto crossing = hn::Div(hn::Neg(room), growth);
+    const auto begins = hn::IfThenElse(hn::Gt(growth, zero), crossing, hn::Set(d, first));
+    const auto ends = hn::IfThenElse(hn::Lt(growth, zero), crossing, hn::Set(d, last));
+    first = std::max(first, hn::GetLane(hn::MaxOfLanes(d, begins)));
+    last = std::min(last, hn::GetLane(hn::MinOfLanes(d, ends)));
+  }
+  *begin = first;
+  *end = std::max(first, last);
+  return first < last;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace abbe
+HWY_AFTER_NAMESPACE();
+
+#endif  // ABBE_CAUSTICS_FLAT_LIGHT_POINT_BOUNDS_INL_H_

@@ -1,0 +1,46 @@
+/// The path of one wavelength on a chain of a point light, in double precision: where the lanes
+/// start from, and what they fall back on.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "abbe/caustics/flat/point_chain.h"
+
+namespace abbe {
+
+/// Where light crosses the refracting faces of a chain, in the coordinates of their frames.
+using Crossings = std::array<Vec2d, kMaxRefractions>;
+
+/// How crossings move.
+struct CrossingSlopes {
+  Crossings by_index{};                 ///< Per unit of the change of indices that was asked for.
+  std::array<Crossings, 3> by_place{};  ///< Per metre of the lit place along x, y, z, unfolded.
+};
+
+/// Finds the path of least optical length from the lamp to a place over the planes of a chain,
+/// whether or not it stays inside the outlines of the faces. Newton's method on the convex sum
+/// Σ n·distance; where its step does not shorten the path, one of Weiszfeld's, which always does.
+/// Shape:  one index per segment, chain.crossings.size() + 1 of them.
+/// Domain: place is relative to the chain's origin, and unfolded. Without crossings always true.
+/// Errors: false where no smooth minimum was found: the path wants to pass an edge.
+/// Source: Weiszfeld, Tohoku Math. J. 43, 1937, for the step that always shortens.
+bool solve_crossings(const PointChain& chain, std::span<const double> n, const Vec3d& place,
+                     Crossings& crossings);
+
+/// Derivatives of the crossings of a path that solve_crossings found.
+/// Shape:  as there; n_change is the change of each index that counts as 1.
+CrossingSlopes crossing_slopes(const PointChain& chain, std::span<const double> n,
+                               std::span<const double> n_change, const Vec3d& place,
+                               const Crossings& crossings);
+
+/// Solid angle at the lamp over area across the beam at the place, m⁻², of a path that
+/// solve_crossings found: what the irradiance is for a lamp of intensity 1 and no losses.
+/// dΩ/dA = Π_j n_j²/length_j² · Π_k cosθ_k·cosθ′_k / (n_0² · det H) with H the second derivatives
+/// of the optical length by the crossings: dΩ is the change of momentum at the lamp, n_0⁻²·det of
+/// the mixed derivatives of the least optical length by lamp and place, and those are the product
+/// of the mixed derivatives of each segment over det H.
+double crossing_jacobian(const PointChain& chain, std::span<const double> n, const Vec3d& place,
+                         const Crossings& crossings);
+
+}  // namespace abbe

@@ -1,0 +1,117 @@
+/// Chains of point and spot lights: the paths of their light over flat faces.
+///
+/// All reflections of a chain are undone by mirroring the space behind each of them: then light
+/// goes through a row of planes and is refracted at each, and of all paths from the lamp to a place
+/// the one that light takes has the least optical length Σ n·distance. This sum is convex in the
+/// places where the planes are crossed, so there is one such path or none.
+///
+/// What a chain lights lies in front of its last face, and seen along eight directions of that
+/// plane it grows with the distance at most as the steepest ray does: eight planes that hold it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "abbe/caustics/flat/chain.h"
+#include "abbe/math/vec.h"
+
+namespace abbe {
+
+/// Coordinates in the plane of a face, and its outline in them.
+struct FaceFrame {
+  Vec3d origin{0.0}, normal{0.0}, u{0.0}, v{0.0};
+  /// Convex pieces; each edge (a, b, c) is a·u + b·v + c ≥ 0 inside, in metres. An edge that two
+  /// pieces share is the same numbers with the opposite sign in each: no point lies in neither.
+  std::vector<std::vector<Vec3f>> pieces;
+
+  /// How far inside the outline a place of the plane, u and v, lies; negative outside. A bound
+  /// where pieces meet.
+  double distance_inside(const Vec2d& at_m) const;
+};
+
+/// A face of a chain, mirrored into the space in which all reflections before it are undone; all
+/// relative to the chain's origin.
+struct UnfoldedFace {
+  Vec3d origin{0.0}, normal{0.0}, u{0.0}, v{0.0};
+  std::uint32_t face = 0;  ///< Index into FlatBodies::faces and PointChains::frames.
+  double radius_m = 0.0;   ///< The outline lies within it of `center`.
+  Vec2d center{0.0};
+  Mat3d to_world{1.0};  ///< Takes places back: x = to_world·x′ + shift.
+  Vec3d shift{0.0};
+};
+
+/// Most boundaries of a chain at which light is refracted: in and out of each body.
+inline constexpr std::size_t kMaxRefractions = 2 * kMaxChainBodies;
+
+/// Where a part of the light of a chain goes, in the frame of the chain's group: a lit place at
+/// height h over the last face has along direction k of kBoundDirections a coordinate of at most
+/// reach + h·slope.
+struct ConeBounds {
+  std::array<float, 8> reach{}, slope{};
+};
+
+/// Neighbouring parts of the light of a chain, cones [first_cone, last_cone) of PointChains, and
+/// bounds of all of them.
+struct ConeBunch {
+  ConeBounds bounds;
+  std::uint32_t first_cone = 0, last_cone = 0;
+};
+
+/// A chain of a point or spot light.
+struct PointChain : ChainPath {
+  std::vector<UnfoldedFace> faces;                  ///< Of each step.
+  std::vector<std::uint32_t> crossings;             ///< The steps that refract.
+  std::vector<std::optional<std::uint32_t>> media;  ///< Before each crossing and behind the last.
+  std::vector<Vec3d> directions;  ///< Typical ones on those segments, in the unfolded space.
+  Vec3d lamp{0.0};
+  Mat3d fold{1.0};  ///< Takes a lit place into the unfolded space: x′ = fold·x + fold_shift.
+  Vec3d fold_shift{0.0};
+  std::array<float, 8> reach{}, slope{};  ///< Bounds of all its light, as of a ConeBounds.
+  /// Its light in parts, bunches [first_bunch, last_bunch) of PointChains: no place is lit that
+  /// lies in none of their cones.
+  std::uint32_t first_bunch = 0, last_bunch = 0;
+};
+
+/// Chains of one light that end at the same face and side; they share a frame.
+struct PointChainGroup {
+  std::uint32_t light = 0;
+  bool ends_inside = false;
+  std::uint32_t material = 0;                          ///< Of the last face's body.
+  Vec3f origin{0.0f}, normal{0.0f}, u{0.0f}, v{0.0f};  ///< The normal points to what is lit.
+  std::array<float, 8> reach{}, slope{};               ///< Of all of them.
+  std::uint32_t first_chain = 0, chain_count = 0;
+  float largest = 0.0f;
+};
+
+/// The chains of all point and spot lights.
+struct PointChains {
+  std::vector<PointChain> chains;
+  std::vector<PointChainGroup> groups;  ///< Largest first, and so are the chains in each.
+  std::vector<ConeBunch> bunches;
+  std::vector<ConeBounds> cones;
+  std::vector<FaceFrame> frames;    ///< Of all faces of FlatBodies; empty without chains.
+  std::vector<Vec2d> index_ranges;  ///< Per material and wavelength set.
+  std::size_t set_count = 0;
+
+  /// Least and greatest index of a material among the lanes of a set.
+  const Vec2d& index_range(std::uint32_t material, int set) const {
+    return index_ranges[material * set_count + static_cast<std::size_t>(set)];
+  }
+};
+
+/// Cosine and sine of the directions of the bounds.
+inline constexpr float kHalfRoot = 0.70710678118654752f;
+inline constexpr std::array<float, 8> kBoundCosine{1,  kHalfRoot,  0, -kHalfRoot,
+                                                   -1, -kHalfRoot, 0, kHalfRoot};
+inline constexpr std::array<float, 8> kBoundSine{0, kHalfRoot,  1,  kHalfRoot,
+                                                 0, -kHalfRoot, -1, -kHalfRoot};
+
+/// A place of a face, from its coordinates.
+inline Vec3d on_face(const UnfoldedFace& face, const Vec2d& at) {
+  return face.origin + at.x * face.u + at.y * face.v;
+}
+
+}  // namespace abbe

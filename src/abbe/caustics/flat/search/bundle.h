@@ -1,0 +1,33 @@
+/// Bundles of parallel rays that cross flat facets.
+#pragma once
+
+#include <vector>
+
+#include "abbe/caustics/flat/bodies.h"
+#include "abbe/math/vec.h"
+
+namespace abbe {
+
+/// A bundle of parallel rays of one wavelength at a facet.
+struct Bundle {
+  std::vector<Vec3d> polygon;  ///< Where it meets the facet; empty: nothing is left.
+  Vec3d direction{0.0};        ///< Behind the facet.
+  double power = 0.0;          ///< Share of the power of its rays.
+  double weight = 0.0;         ///< Irradiance across the beam over the lamp's.
+};
+
+/// The bundles of all wavelengths behind a facet, and a cone that holds them, once bound() has made
+/// it.
+struct BundleSet {
+  std::vector<Bundle> bundles;
+  Vec3d center{0.0};
+  double radius_m = 0.0;
+  Vec3d axis{0.0, 0.0, 1.0};
+  double tan_spread = 0.0;
+
+  bool is_alive() const { return radius_m > 0.0; }
+  void bound();
+  bool may_meet(const Facet& facet) const;
+};
+
+}  // namespace abbe

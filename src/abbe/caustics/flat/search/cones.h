@@ -1,0 +1,40 @@
+/// The search for the chains of a point or spot light: its light is cut into narrow cones, and each
+/// is followed over the faces that it may meet.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "abbe/caustics/flat/search/beam_cone.h"
+#include "abbe/caustics/flat/search/chain_search.h"
+
+namespace abbe {
+
+/// A face on the path of a cone, and what happens there.
+struct FaceEvent {
+  std::uint32_t face = 0;
+  ChainEvent event = ChainEvent::Enter;
+
+  auto operator<=>(const FaceEvent&) const = default;
+};
+
+/// A narrow cone of light that took a path and leaves from its last face.
+struct ConeOnPath {
+  std::vector<FaceEvent> path;
+  std::vector<Vec3d> axes;  ///< Before the first face and behind each, in the world.
+  BeamCone cone;            ///< Behind the last face; world coordinates.
+  bool ends_inside = false;
+  double largest = 0.0;  ///< Bound of what it adds to the light of the lamp.
+  double flux_sr = 0.0;  ///< What its middle carries of the cone that the lamp sent.
+};
+
+/// The cones that a lamp's light becomes on flat faces.
+struct ConeSearch {
+  std::vector<ConeOnPath> found;
+  ChainYield yield;
+};
+
+/// Follows all light of a point or spot light that falls on flat faces.
+ConeSearch search_cones(const ChainSearch& search, const Light& light);
+
+}  // namespace abbe

@@ -1,0 +1,102 @@
+#include "abbe/caustics/flat/search/find.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "abbe/caustics/flat/search/parallel_chains.h"
+#include "abbe/caustics/flat/search/point_chains.h"
+
+namespace abbe {
+namespace {
+
+/// The chains of all lights; incomplete where a body has too many of them.
+struct FoundChains {
+  ParallelChains parallel;
+  PointChains point;
+  double share_cut = 0.0;
+  std::optional<std::uint32_t> too_large;
+};
+
+FoundChains find_chains(const Scene& scene, const ChainSearch& search) {
+  FoundChains found;
+  found.parallel.lane_stride = static_cast<std::size_t>(search.tables.lanes.lane_stride());
+  double started = 0.0;
+  double cut = 0.0;
+  for (std::uint32_t number = 0; number < scene.lights.size(); ++number) {
+    const Light& light = scene.lights[number];
+    const ChainYield yield = is_parallel(light)
+                                 ? add_parallel_chains(search, light, number, found.parallel)
+                                 : add_point_chains(search, light, number, found.point);
+    found.too_large = yield.too_large;
+    if (found.too_large) return found;
+    // Lux on square metres and candela in steradians are both lumens.
+    started += yield.started * light.intensity;
+    cut += yield.cut * light.intensity;
+  }
+  found.share_cut = started > 0.0 ? cut / started : 0.0;
+  return found;
+}
+
+std::vector<Vec2d> index_ranges(const TabulatedScene& tables) {
+  std::vector<Vec2d> ranges;
+  for (const SurfaceMaterial& material : tables.materials) {
+    for (int set = 0; set < tables.lanes.set_count(); ++set) {
+      const float* n = tables.row(material.index, set);
+      const auto [least, greatest] = std::minmax_element(n, n + tables.lanes.lane_count());
+      ranges.push_back(Vec2d(*least, *greatest));
+    }
+  }
+  return ranges;
+}
+
+std::vector<std::optional<LightChains>> by_light(const ParallelChains& parallel,
+                                                 const PointChains& point, std::size_t lights) {
+  std::vector<std::optional<LightChains>> result(lights, LightChains{});
+  for (std::uint32_t i = 0; i < parallel.chains.size(); ++i) {
+    result[parallel.chains[i].light]->parallel.push_back(i);
+  }
+  for (std::uint32_t i = 0; i < point.chains.size(); ++i) {
+    result[point.chains[i].light]->point.push_back(i);
+  }
+  return result;
+}
+
+}  // namespace
+
+FlatCaustics find_flat_caustics(const Scene& scene, const TabulatedScene& tables,
+                                const CausticOptions& options, Notes& notes) {
+  FlatCaustics result;
+  result.surface_is_exact.assign(scene.instances.size(), 0);
+  if (!options.exact || scene.lights.empty()) return result;
+  result.flat = find_flat_bodies(scene, notes);
+  FoundChains found = find_chains(scene, {result.flat, tables, options});
+  while (found.too_large) {
+    result.flat = without_body(std::move(result.flat), *found.too_large,
+                               "it has too many chains of facets to count them out", notes);
+    found = find_chains(scene, {result.flat, tables, options});
+  }
+  const FlatBodies& flat = result.flat;
+  result.report = {.bodies = flat.bodies.size(),
+                   .facets = flat.facets.size(),
+                   .chains = found.parallel.chains.size() + found.point.chains.size(),
+                   .share_cut = found.share_cut,
+                   .fallbacks = flat.fallbacks};
+  if (flat.bodies.empty()) return result;
+  for (const FlatBody& body : flat.bodies) {
+    if (!body.is_mirror) result.surface_is_exact[body.instance] = 1;
+  }
+  result.parallel = std::move(found.parallel);
+  result.point = std::move(found.point);
+  std::stable_sort(
+      result.parallel.chains.begin(), result.parallel.chains.end(),
+      [](const ParallelChain& a, const ParallelChain& b) { return a.largest > b.largest; });
+  sort_point_chains(result.point);
+  if (!result.point.chains.empty()) {
+    result.point.set_count = static_cast<std::size_t>(tables.lanes.set_count());
+    result.point.index_ranges = index_ranges(tables);
+  }
+  result.of_lights = by_light(result.parallel, result.point, scene.lights.size());
+  return result;
+}
+
+}  // namespace abbe

@@ -1,0 +1,19 @@
+/// Chains of point and spot lights: cones of light that took the same path, put together.
+#pragma once
+
+#include <cstdint>
+
+#include "abbe/caustics/flat/search/chain_search.h"
+
+namespace abbe {
+
+/// Adds the chains of a point or spot light, the one of that number, with their groups. Incomplete
+/// where the result names a body.
+/// Units:  the result is in steradians.
+ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::uint32_t number,
+                            PointChains& chains);
+
+/// Orders groups and the chains in them, largest first.
+void sort_point_chains(PointChains& chains);
+
+}  // namespace abbe

@@ -1,0 +1,96 @@
+// Ways over two planes are the shortest, or run over the edge between them.
+
+#include "abbe/caustics/flat/light/solver.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace abbe {
+namespace {
+
+class Wedge : public testing::Test {
+ protected:
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random_);
+  }
+
+  // Glass below an edge along y through the origin; light comes from the left.
+  static PointChain chain_of(double half_angle_rad, const Vec3d& lamp) {
+    PointChain chain;
+    for (const double side : {-1.0, 1.0}) {
+      UnfoldedFace face;
+      face.normal = {side * std::cos(half_angle_rad), 0.0, std::sin(half_angle_rad)};
+      face.u = {0.0, 1.0, 0.0};
+      face.v = glm::cross(face.normal, face.u);
+      face.center = {0.0, face.v.z < 0.0 ? 0.5 : -0.5};
+      face.radius_m = 1.0;
+      chain.faces.push_back(face);
+    }
+    chain.crossings = {0, 1};
+    chain.directions.assign(3, glm::normalize(Vec3d(1.0, 0.0, 0.1)));
+    chain.lamp = lamp;
+    return chain;
+  }
+
+  static double optical_length(const PointChain& chain, double n, const Vec3d& place,
+                               const Crossings& at) {
+    const Vec3d in = on_face(chain.faces[0], at[0]);
+    const Vec3d out = on_face(chain.faces[1], at[1]);
+    return glm::distance(chain.lamp, in) + n * glm::distance(in, out) + glm::distance(out, place);
+  }
+
+  Crossings moved(Crossings at, double by_m) {
+    for (std::size_t k = 0; k < 2; ++k) at[k] += Vec2d(uniform(-by_m, by_m), uniform(-by_m, by_m));
+    return at;
+  }
+
+ private:
+  std::mt19937 random_{3};
+};
+
+TEST_F(Wedge, no_other_way_is_shorter_than_the_one_found_or_that_over_the_edge) {
+  int found = 0;
+  int over_edge = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double half_angle = uniform(0.1, 0.9);
+    const double n = uniform(1.2, 2.0);
+    const PointChain chain =
+        chain_of(half_angle, {-uniform(0.5, 3.0), uniform(-1.0, 1.0), uniform(-1.0, 0.3)});
+    const Vec3d place(uniform(0.5, 3.0), uniform(-1.0, 1.0), uniform(-1.5, 0.3));
+    const auto is_in_front = [&](const Vec3d& p, std::size_t k) {
+      return glm::dot(chain.faces[k].normal, p) > 0.0;
+    };
+    if (!is_in_front(chain.lamp, 0) || !is_in_front(place, 1)) continue;
+    const std::array<double, 3> indices{1.0, n, 1.0};
+    // Unrolled about the edge, the way over it is straight.
+    const double over_edge_m =
+        std::hypot(std::hypot(chain.lamp.x, chain.lamp.z) + std::hypot(place.x, place.z),
+                   chain.lamp.y - place.y);
+    Crossings at{};
+    if (solve_crossings(chain, indices, place, at)) {
+      ++found;
+      const double length_m = optical_length(chain, n, place, at);
+      EXPECT_LE(length_m, over_edge_m);
+      for (int k = 0; k < 100; ++k) {
+        const double by_m = std::pow(10.0, uniform(-4.0, 0.0));
+        EXPECT_GE(optical_length(chain, n, place, moved(at, by_m)), length_m * (1.0 - 1e-12));
+      }
+      continue;
+    }
+    ++over_edge;
+    for (int k = 0; k < 1000; ++k) {
+      // On the edge both faces have the same coordinate along it.
+      const double y = uniform(-1.5, 1.5);
+      const double by_m = std::pow(10.0, uniform(-3.0, 0.0));
+      const Crossings other = moved(Crossings{Vec2d(y, 0.0), Vec2d(y, 0.0)}, by_m);
+      EXPECT_GE(optical_length(chain, n, place, other), over_edge_m * (1.0 - 1e-6));
+    }
+  }
+  EXPECT_GT(found, 200);
+  EXPECT_GT(over_edge, 100);
+}
+
+}  // namespace
+}  // namespace abbe

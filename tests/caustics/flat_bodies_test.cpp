@@ -1,0 +1,154 @@
+// Which bodies light is followed through exactly, and which are left to straight shadow rays.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "abbe/base/constants.h"
+#include "abbe/caustics/flat/bodies.h"
+#include "support/gems.h"
+#include "support/scene_builder.h"
+
+namespace abbe {
+namespace {
+
+using testing::HasSubstr;
+
+// A box of glass as a mesh, and a lamp.
+Scene box_scene() {
+  Scene scene;
+  scene.name = "test";
+  test::add_box_mesh(scene, test::add(scene, test::glass(1.5)), {0.5, 0.5, 0.5}, Mat4d(1.0));
+  scene.instances.back().name = "the box";
+  scene.lights.push_back(test::point_light({0, 3, 0}, 1.0));
+  return scene;
+}
+
+LitWorld world_of(const Scene& scene, Notes& notes, int inner_reflections = 1) {
+  RenderSettings settings = test::small_settings();
+  settings.wavelengths.exact_nm = {kLine_d_nm};
+  settings.inner_reflections = inner_reflections;
+  return make_lit_world(scene, world_options(settings), caustic_options(settings),
+                        test::catalogue().observer(),
+                        test::catalogue().illuminant("illuminant/D65"), notes);
+}
+
+// The world has left the named body to straight rays, and said so once.
+void expect_fallback(const Scene& scene, const std::string& name, const std::string& why,
+                     int inner_reflections = 1) {
+  Notes notes;
+  const LitWorld world = world_of(scene, notes, inner_reflections);
+  ASSERT_EQ(world.caustics.report.fallbacks.size(), 1u);
+  EXPECT_THAT(world.caustics.report.fallbacks[0], HasSubstr(name));
+  EXPECT_THAT(world.caustics.report.fallbacks[0], HasSubstr(why));
+  EXPECT_EQ(world.caustics.report.bodies, 0u);
+  EXPECT_EQ(world.caustics.report.chains, 0u);
+  for (const std::uint8_t is_exact : world.caustics.surface_is_exact) EXPECT_EQ(is_exact, 0);
+  int warnings = 0;
+  for (const Note& note : notes.all()) {
+    if (note.kind == NoteKind::Warning && note.where == name) ++warnings;
+  }
+  EXPECT_EQ(warnings, 1);
+}
+
+TEST(FlatBodies, closed_box_of_triangles_is_a_body_of_six_faces) {
+  Notes notes;
+  const LitWorld world = world_of(box_scene(), notes);
+  EXPECT_TRUE(notes.all().empty());
+  EXPECT_EQ(world.caustics.report.bodies, 1u);
+  EXPECT_EQ(world.caustics.flat.faces.size(), 6u);
+  EXPECT_EQ(world.caustics.surface_is_exact[0], 1);
+  EXPECT_GT(world.caustics.point.chains.size(), 0u);
+}
+
+TEST(FlatBodies, open_mesh_is_left_to_straight_rays_with_one_warning) {
+  Scene scene = box_scene();
+  scene.meshes.front().triangles.pop_back();
+  expect_fallback(scene, "the box", "open");
+}
+
+TEST(FlatBodies, mesh_that_meets_itself_is_left_to_straight_rays_with_one_warning) {
+  // A second box in the same mesh, half inside the first.
+  Scene scene = box_scene();
+  Mesh& mesh = scene.meshes.front();
+  const auto count = static_cast<std::uint32_t>(mesh.positions.size());
+  const auto triangles = mesh.triangles;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    mesh.positions.push_back(mesh.positions[i] + Vec3f(0.4f, 0.3f, 0.2f));
+  }
+  for (const auto& t : triangles) {
+    mesh.triangles.push_back({t[0] + count, t[1] + count, t[2] + count});
+  }
+  expect_fallback(scene, "the box", "meets itself");
+}
+
+TEST(FlatBodies, mesh_of_too_many_facets_is_left_to_straight_rays_with_one_warning) {
+  // A column of 520 sides.
+  Scene scene = box_scene();
+  Mesh& mesh = scene.meshes.front();
+  mesh.positions.clear();
+  mesh.triangles.clear();
+  constexpr std::uint32_t kSides = 520;
+  for (std::uint32_t i = 0; i < kSides; ++i) {
+    const double angle = 2.0 * kPi * i / kSides;
+    for (const float y : {0.0f, 1.0f}) {
+      mesh.positions.push_back(
+          {static_cast<float>(std::cos(angle)), y, static_cast<float>(std::sin(angle))});
+    }
+  }
+  for (std::uint32_t i = 0; i < kSides; ++i) {
+    const std::uint32_t a = 2 * i;
+    const std::uint32_t b = 2 * ((i + 1) % kSides);
+    mesh.triangles.push_back({a, a + 1, b});
+    mesh.triangles.push_back({b, a + 1, b + 1});
+    if (i > 0 && i + 1 < kSides) {
+      mesh.triangles.push_back({0, a, b});
+      mesh.triangles.push_back({1, b + 1, a + 1});
+    }
+  }
+  expect_fallback(scene, "the box", "more than 512");
+}
+
+TEST(FlatBodies, gem_with_too_many_chains_is_left_to_straight_rays_with_one_warning) {
+  Scene scene;
+  scene.name = "test";
+  test::add_shape(scene, {.name = "gem", .geometry = test::brilliant()},
+                  test::add(scene, test::glass("glass/schott/N-SF66")), Mat4d(1.0));
+  scene.lights.push_back(test::point_light({1, 4, 0.5}, 1.0));
+  expect_fallback(scene, "gem", "too many chains", 8);
+}
+
+TEST(FlatBodies, film_that_a_texture_shapes_leaves_glass_to_straight_rays) {
+  Scene scene = box_scene();
+  ThinFilm film;
+  film.thickness_texture = TextureUse{};
+  scene.materials.front().film = film;
+  Notes notes;
+  const FlatBodies flat = find_flat_bodies(scene, notes);
+  EXPECT_TRUE(flat.bodies.empty());
+  ASSERT_EQ(flat.fallbacks.size(), 1u);
+  EXPECT_THAT(flat.fallbacks[0], HasSubstr("film"));
+}
+
+TEST(FlatBodies, dropped_body_leaves_the_others_whole) {
+  Scene scene = box_scene();
+  test::add_shape(scene, {.name = "gem", .geometry = test::brilliant()},
+                  test::add(scene, test::glass(1.5)), test::translation({4, 0, 0}));
+  test::add_box(scene, test::add(scene, test::glass(1.5)), {0.5, 0.5, 0.5},
+                test::translation({8, 0, 0}));
+  Notes notes;
+  FlatBodies flat = find_flat_bodies(scene, notes);
+  ASSERT_EQ(flat.bodies.size(), 3u);
+  flat = without_body(std::move(flat), 1, "it was asked for", notes);
+  ASSERT_EQ(flat.bodies.size(), 2u);
+  EXPECT_EQ(flat.facets.size(), 12u);
+  EXPECT_EQ(flat.faces.size(), 12u);
+  EXPECT_EQ(flat.bodies[1].first_facet, 6u);
+  EXPECT_EQ(flat.bodies[1].first_face, 6u);
+  for (std::uint32_t f = 0; f < 12; ++f) EXPECT_EQ(flat.facets[f].body, f / 6);
+  EXPECT_EQ(notes.all().size(), 1u);
+}
+
+}  // namespace
+}  // namespace abbe

@@ -67,6 +67,21 @@ std::vector<Vec3d> clipped_by_shadow(std::vector<Vec3d> polygon, const std::vect
   return polygon;
 }
 
+Ball ball_about(const std::vector<Vec3d>& points) {
+  if (points.empty()) return {};
+  Vec3d low = points.front();
+  Vec3d high = low;
+  for (const Vec3d& point : points) {
+    low = glm::min(low, point);
+    high = glm::max(high, point);
+  }
+  Ball ball{0.5 * (low + high), 0.0};
+  for (const Vec3d& point : points) {
+    ball.radius_m = std::max(ball.radius_m, glm::distance(point, ball.center));
+  }
+  return ball;
+}
+
 double area_of(const std::vector<Vec3d>& polygon) {
   Vec3d sum(0.0);
   for (std::size_t i = 2; i < polygon.size(); ++i) {

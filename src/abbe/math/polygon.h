@@ -19,6 +19,14 @@ std::vector<Vec3d> clipped(const std::vector<Vec3d>& polygon, const Vec3d& norma
 std::vector<Vec3d> clipped_by_shadow(std::vector<Vec3d> polygon, const std::vector<Vec3d>& window,
                                      const Vec3d& direction);
 
+/// A ball that holds points.
+struct Ball {
+  Vec3d center{0.0};
+  double radius_m = 0.0;
+};
+/// About the middle of their box; of none, nothing about the origin.
+Ball ball_about(const std::vector<Vec3d>& points);
+
 /// Area of a flat polygon, m².
 double area_of(const std::vector<Vec3d>& polygon);
 

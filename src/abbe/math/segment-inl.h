@@ -13,9 +13,23 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
+/// A ray of every lane, as far as its end.
+struct LaneRays {
+  const LaneArray3& origin;
+  const LaneArray3& direction;
+  const LaneArray& end_m;
+};
+
 /// A part of every lane's ray; nothing where end ≤ begin.
 struct LaneSegments {
   LaneArray begin_m, end_m;
+
+  /// That of lane 0 in all lanes.
+  template <class D>
+  void splat(D d, int stride) {
+    Splat(d, stride, begin_m[0], begin_m);
+    Splat(d, stride, end_m[0], end_m);
+  }
 };
 
 /// Leaves the part of a segment where height + distance·slope ≥ 0.

@@ -55,15 +55,15 @@ std::string mode_name(Mode mode) {
   return "rgb3";
 }
 
-LaneModel::LaneModel(Mode mode, const WavelengthOptions& options, const Observer& observer,
-                     const Spectrum& d65, std::span<const Spectrum> lamps,
-                     const DevelopmentOptions& development, Uplift uplift, const CauseSet& frozen)
-    : mode_(mode),
-      uplift_(uplift),
-      frozen_(frozen),
+LaneModel::LaneModel(const WorldOptions& options, const Observer& observer, const Spectrum& d65,
+                     std::span<const Spectrum> lamps)
+    : mode_(options.mode),
+      uplift_(options.uplift),
+      frozen_(options.frozen),
       observer_(observer),
-      film_observer_(development.observer.value_or(observer)),
-      film_to_rec709_(responses_to_rec709(development, observer, d65)) {
+      film_observer_(options.development.observer.value_or(observer)),
+      film_to_rec709_(responses_to_rec709(options.development, observer, d65)) {
+  const DevelopmentOptions& development = options.development;
   DevelopmentOptions of_d65 = development;
   of_d65.white.reset();
   of_d65.adaptation = Adaptation::Cat16;
@@ -71,7 +71,7 @@ LaneModel::LaneModel(Mode mode, const WavelengthOptions& options, const Observer
   development_.xyz_to_rec709 =
       responses_to_rec709(of_d65, observer, d65) * glm::inverse(film_observer_.responses_to_xyz);
   development_.rec709_to_xyz = glm::inverse(development_.xyz_to_rec709);
-  if (mode != Mode::Spectral) {
+  if (mode_ != Mode::Spectral) {
     film_to_rec709_ = rec709_to_rec709(development, observer, d65) * development_.xyz_to_rec709;
   }
   d65_ = d65.scaled(1.0 / xyz_of(d65, observer).y);
@@ -80,7 +80,7 @@ LaneModel::LaneModel(Mode mode, const WavelengthOptions& options, const Observer
     if (luminance > 0.0) lamps_.push_back(lamp.scaled(1.0 / luminance));
   }
   if (lamps_.empty()) lamps_.push_back(d65_);
-  if (mode != Mode::Spectral) return;
+  if (mode_ != Mode::Spectral) return;
   if (frozen_.has_channels()) {
     copies_ = 3;
     basis_ = channel_basis(film_observer_, d65_, development_);
@@ -90,7 +90,7 @@ LaneModel::LaneModel(Mode mode, const WavelengthOptions& options, const Observer
     }
     if (frozen_.contains(Cause::Lamps)) lamps_ = {d65_};
   }
-  quadrature_.emplace(options, observer, lamps_);
+  quadrature_.emplace(options.wavelengths, observer, lamps_);
   lane_count_ = copies_ * quadrature_->lane_count();
   lane_stride_ = copies_ == 1 ? quadrature_->lane_stride() : padded_count(lane_count_);
   set_count_ = quadrature_->set_count();

@@ -28,6 +28,16 @@ enum class Mode {
 Mode mode_from_name(const std::string& name);
 std::string mode_name(Mode mode);
 
+/// Settings that shape how a scene is made ready.
+struct WorldOptions {
+  Mode mode = Mode::Spectral;
+  WavelengthOptions wavelengths;
+  DevelopmentOptions development = {};
+  Uplift uplift = Uplift::JakobHanika;
+  CauseSet frozen = {};                ///< Spectral mode only.
+  std::string accelerator = "kdtree";  ///< One of accelerator_names(). Never shapes the image.
+};
+
 /// Turns quantities of a scene into rows: one value per lane for every wavelength set.
 /// Shape of every row returned: set_count × lane_stride.
 ///
@@ -46,10 +56,8 @@ class LaneModel {
   /// are the scene's emission spectra (for the wavelength density).
   /// Errors: a usage Error where causes are frozen and three lanes per wavelength are too many, or
   ///         the film's observer has no channel basis.
-  LaneModel(Mode mode, const WavelengthOptions& options, const Observer& observer,
-            const Spectrum& d65, std::span<const Spectrum> lamps,
-            const DevelopmentOptions& development = {}, Uplift uplift = Uplift::JakobHanika,
-            const CauseSet& frozen = {});
+  LaneModel(const WorldOptions& options, const Observer& observer, const Spectrum& d65,
+            std::span<const Spectrum> lamps);
 
   Mode mode() const { return mode_; }
   Uplift uplift() const { return uplift_; }

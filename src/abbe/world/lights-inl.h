@@ -85,17 +85,16 @@ HWY_INLINE void StraightLight(D d, int stride, const WorldLight& light, const fl
   }
 }
 
-/// The parts of rays [0, end) inside a beam.
+/// The parts of rays inside a beam.
 template <class D>
-HWY_INLINE void SegmentsInBeam(D d, int stride, const WorldLight& light, const LaneArray3& origins,
-                               const LaneArray3& directions, const LaneArray& ends_m,
+HWY_INLINE void SegmentsInBeam(D d, int stride, const WorldLight& light, const LaneRays& rays,
                                LaneSegments& lit) {
   for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
-    const auto origin = Combine3(d, hn::Set(d, 1.0f), Load3(d, origins, i), hn::Set(d, -1.0f),
+    const auto origin = Combine3(d, hn::Set(d, 1.0f), Load3(d, rays.origin, i), hn::Set(d, -1.0f),
                                  Set3(d, light.position));
-    const auto direction = Load3(d, directions, i);
+    const auto direction = Load3(d, rays.direction, i);
     auto begin = hn::Zero(d);
-    auto end = hn::Load(d, ends_m.v + i);
+    auto end = hn::Load(d, rays.end_m.v + i);
     const auto clip = [&](const Vec3f& normal, float half_m) {
       const auto n = Set3(d, normal);
       ClipSegment(d, hn::Add(Dot3(d, n, origin), hn::Set(d, half_m)), Dot3(d, n, direction), begin,
@@ -111,29 +110,26 @@ HWY_INLINE void SegmentsInBeam(D d, int stride, const WorldLight& light, const L
   }
 }
 
-/// The part of every ray [0, end) that a lamp shines on, whatever stands in between. Returns
-/// whether it is anything in any lane.
-/// Domain: of lanes from 1 on only where `has_ray_per_lane`; otherwise they are as lane 0.
+/// The part of every ray that a lamp shines on, whatever stands in between. Returns whether it is
+/// anything in any lane.
+/// Domain: all lanes have the same ray unless `has_ray_per_lane`.
 template <class D>
 HWY_INLINE bool LampSegments(D d, int stride, bool has_ray_per_lane, const WorldLight& light,
-                             const LaneArray3& origins, const LaneArray3& directions,
-                             const LaneArray& ends_m, LaneSegments& lit) {
+                             const LaneRays& rays, LaneSegments& lit) {
   const int last = has_ray_per_lane ? stride : 1;
   if (light.beam) {
-    SegmentsInBeam(d, stride, light, origins, directions, ends_m, lit);
+    SegmentsInBeam(d, stride, light, rays, lit);
   } else {
     for (int lane = 0; lane < last; ++lane) {
-      RaySegment segment{0.0f, ends_m[lane]};
+      RaySegment segment{0.0f, rays.end_m[lane]};
       if (light.is_spot) {
-        segment = segment_in_cone(light, origins.get(lane), directions.get(lane), segment.end_m);
+        segment =
+            segment_in_cone(light, rays.origin.get(lane), rays.direction.get(lane), segment.end_m);
       }
       lit.begin_m[lane] = segment.begin_m;
       lit.end_m[lane] = std::max(segment.begin_m, segment.end_m);
     }
-    if (!has_ray_per_lane) {
-      Splat(d, stride, lit.begin_m[0], lit.begin_m);
-      Splat(d, stride, lit.end_m[0], lit.end_m);
-    }
+    if (!has_ray_per_lane) lit.splat(d, stride);
   }
   bool any = false;
   for (int lane = 0; lane < last; ++lane) any |= lit.begin_m[lane] < lit.end_m[lane];

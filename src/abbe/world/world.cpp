@@ -23,8 +23,7 @@ std::vector<VisibilityMask> masks_of(const Geometry& geometry,
 
 TabulatedScene tabulate(const Scene& scene, const WorldOptions& options, const Observer& observer,
                         const Spectrum& d65) {
-  LaneModel lanes(options.mode, options.wavelengths, observer, d65, lamp_spectra(scene, d65),
-                  options.development, options.uplift, options.frozen);
+  LaneModel lanes(options, observer, d65, lamp_spectra(scene, d65));
   Rows rows(lanes.lane_stride());
   Materials materials = tabulate_materials(scene, lanes, rows);
   std::vector<WorldLight> lights = tabulate_lights(scene, lanes, rows);

@@ -22,16 +22,6 @@
 
 namespace abbe {
 
-/// Settings that shape how a scene is made ready.
-struct WorldOptions {
-  Mode mode = Mode::Spectral;
-  WavelengthOptions wavelengths;
-  DevelopmentOptions development = {};
-  Uplift uplift = Uplift::JakobHanika;
-  CauseSet frozen = {};                ///< Spectral mode only.
-  std::string accelerator = "kdtree";  ///< One of accelerator_names(). Never shapes the image.
-};
-
 /// What a scene is made of and what lights it, every spectrum a row of one value per lane.
 struct TabulatedScene {
   LaneModel lanes;

@@ -36,24 +36,16 @@ Kind kind_of(const Material& material) {
   return Kind::None;
 }
 
-// A sphere about the corners of some facets, for what has a centre and a radius.
+// A ball about the corners of some facets, for what has a centre and a radius.
 template <typename Bounded>
 void bound(std::span<const Facet> facets, Bounded& result) {
-  Vec3d low = facets.front().corners.front();
-  Vec3d high = low;
+  std::vector<Vec3d> corners;
   for (const Facet& facet : facets) {
-    for (const Vec3d& corner : facet.corners) {
-      low = glm::min(low, corner);
-      high = glm::max(high, corner);
-    }
+    corners.insert(corners.end(), facet.corners.begin(), facet.corners.end());
   }
-  result.center = 0.5 * (low + high);
-  result.radius_m = 0.0;
-  for (const Facet& facet : facets) {
-    for (const Vec3d& corner : facet.corners) {
-      result.radius_m = std::max(result.radius_m, glm::distance(corner, result.center));
-    }
-  }
+  const Ball ball = ball_about(corners);
+  result.center = ball.center;
+  result.radius_m = ball.radius_m;
 }
 
 // Numbers the facets of the last body and joins those of one plane, which follow each other.

@@ -9,9 +9,11 @@
 /// plane it grows with the distance at most as the steepest ray does: eight planes that hold it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -46,12 +48,22 @@ struct UnfoldedFace {
 /// Most boundaries of a chain at which light is refracted: in and out of each body.
 inline constexpr std::size_t kMaxRefractions = 2 * kMaxChainBodies;
 
-/// Where a part of the light of a chain goes, in the frame of the chain's group: a lit place at
-/// height h over the last face has along direction k of kBoundDirections a coordinate of at most
-/// reach + h·slope.
-struct ConeBounds {
-  std::array<float, 8> reach{}, slope{};
+/// Where light of a chain goes, in the frame of the chain's group: a lit place at height h over the
+/// last face has along direction k of the bounds a coordinate of at most reach + h·slope.
+template <typename T>
+struct BoundsOf {
+  static constexpr T kNone = -std::numeric_limits<T>::infinity();
+  std::array<T, 8> reach{kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone};
+  std::array<T, 8> slope = reach;
+
+  void include(const BoundsOf& other) {
+    for (std::size_t k = 0; k < 8; ++k) {
+      reach[k] = std::max(reach[k], other.reach[k]);
+      slope[k] = std::max(slope[k], other.slope[k]);
+    }
+  }
 };
+using ConeBounds = BoundsOf<float>;
 
 /// Neighbouring parts of the light of a chain, cones [first_cone, last_cone) of PointChains, and
 /// bounds of all of them.
@@ -69,7 +81,7 @@ struct PointChain : ChainPath {
   Vec3d lamp{0.0};
   Mat3d fold{1.0};  ///< Takes a lit place into the unfolded space: x′ = fold·x + fold_shift.
   Vec3d fold_shift{0.0};
-  std::array<float, 8> reach{}, slope{};  ///< Bounds of all its light, as of a ConeBounds.
+  ConeBounds bounds;  ///< Of all its light.
   /// Its light in parts, bunches [first_bunch, last_bunch) of PointChains: no place is lit that
   /// lies in none of their cones.
   std::uint32_t first_bunch = 0, last_bunch = 0;
@@ -81,7 +93,7 @@ struct PointChainGroup {
   bool ends_inside = false;
   std::uint32_t material = 0;                          ///< Of the last face's body.
   Vec3f origin{0.0f}, normal{0.0f}, u{0.0f}, v{0.0f};  ///< The normal points to what is lit.
-  std::array<float, 8> reach{}, slope{};               ///< Of all of them.
+  ConeBounds bounds;                                   ///< Of all of them.
   std::uint32_t first_chain = 0, chain_count = 0;
   float largest = 0.0f;
 };

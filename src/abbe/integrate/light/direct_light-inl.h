@@ -111,7 +111,7 @@ class DirectLight {
       if (group.ends_inside && (fan.media.empty() || fan.media.top() != group.material)) continue;
       PlaceInGroup place;
       if (!may_light(group, center, radius_m, place)) continue;
-      if (!is_in_bounds(place, group.reach, group.slope)) continue;
+      if (!is_in_bounds(place, group.bounds)) continue;
       const LaneMask among =
           fan.spread ? places_.place(stride_, group, hit.position, hit.lanes) : hit.lanes;
       if (!among.any()) continue;

@@ -62,20 +62,19 @@ class ParallelChainLight {
     return any;
   }
 
-  /// The part of every ray [0, end) that the chain lights. Returns whether it is anything in any
+  /// The part of every ray that the chain lights. Returns whether it is anything in any
   /// lane of positive weight.
-  bool segments(const LaneArray3& origins, const LaneArray3& directions, const LaneArray& ends_m,
-                LaneSegments& lit) const {
+  bool segments(const LaneRays& rays, LaneSegments& lit) const {
     const D d;
     const auto zero = hn::Zero(d);
     bool any = false;
     for (int i = 0; i < tables_.lanes.lane_stride(); i += static_cast<int>(hn::Lanes(d))) {
-      const auto origin = Combine3(d, hn::Set(d, 1.0f), Load3(d, origins, i), hn::Set(d, -1.0f),
+      const auto origin = Combine3(d, hn::Set(d, 1.0f), Load3(d, rays.origin, i), hn::Set(d, -1.0f),
                                    Set3(d, chain_.origin));
-      const auto direction = Load3(d, directions, i);
+      const auto direction = Load3(d, rays.direction, i);
       auto begin = zero;
       auto end = hn::IfThenElseZero(hn::Gt(hn::LoadU(d, rows_.weight() + i), zero),
-                                    hn::Load(d, ends_m.v + i));
+                                    hn::Load(d, rays.end_m.v + i));
       for (std::size_t s = 0; s < chain_.side_count && !hn::AllFalse(d, hn::Lt(begin, end)); ++s) {
         const Side side = side_at(s, i);
         ClipSegment(d, hn::Add(Dot3(d, side.normal, origin), side.offset),

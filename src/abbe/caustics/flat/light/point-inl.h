@@ -136,7 +136,7 @@ class PointChainLight {
   V3 set3(const Vec3d& v) const { return Set3(D(), Vec3f(v)); }
 
   void shoot(V u, V v, const V3& place, int i, Shot<D>& shot) const {
-    ShootOverChain(D(), tables_, chain_, set_, i, u, v, place, shot);
+    ShootOverChain(D(), {tables_, chain_, set_, i}, u, v, place, shot);
   }
 
   V total(const Shot<D>& shot) const {

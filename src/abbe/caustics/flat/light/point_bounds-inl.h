@@ -16,6 +16,7 @@
 
 #include "abbe/caustics/flat/point_chain.h"
 #include "abbe/math/lanes-inl.h"
+#include "abbe/world/lights.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
@@ -44,15 +45,14 @@ inline bool may_light(const PointChainGroup& group, const Vec3f& center, float r
 }
 
 /// Whether a place may lie in the bounds of a chain or group.
-inline bool is_in_bounds(const PlaceInGroup& place, const std::array<float, 8>& reach,
-                         const std::array<float, 8>& slope) {
+inline bool is_in_bounds(const PlaceInGroup& place, const ConeBounds& bounds) {
   const hn::CappedTag<float, 8> d;
   const auto height = hn::Set(d, std::max(place.height_m, 0.0f));
   const auto radius = hn::Set(d, place.radius_m);
   for (std::size_t k = 0; k < 8; k += hn::Lanes(d)) {
-    const auto slopes = hn::LoadU(d, slope.data() + k);
+    const auto slopes = hn::LoadU(d, bounds.slope.data() + k);
     const auto grown = hn::Add(hn::Mul(height, slopes), hn::Mul(radius, hn::Abs(slopes)));
-    const auto most = hn::Add(hn::Add(hn::LoadU(d, reach.data() + k), radius), grown);
+    const auto most = hn::Add(hn::Add(hn::LoadU(d, bounds.reach.data() + k), radius), grown);
     if (!hn::AllTrue(d, hn::Le(hn::LoadU(d, place.along_m + k), most))) return false;
   }
   return true;
@@ -61,12 +61,12 @@ inline bool is_in_bounds(const PlaceInGroup& place, const std::array<float, 8>& 
 /// Whether a place may get light from a chain.
 inline bool is_in_bounds(const PlaceInGroup& place, const PointChains& all,
                          const PointChain& chain) {
-  if (!is_in_bounds(place, chain.reach, chain.slope)) return false;
+  if (!is_in_bounds(place, chain.bounds)) return false;
   for (std::uint32_t b = chain.first_bunch; b < chain.last_bunch; ++b) {
     const ConeBunch& bunch = all.bunches[b];
-    if (!is_in_bounds(place, bunch.bounds.reach, bunch.bounds.slope)) continue;
+    if (!is_in_bounds(place, bunch.bounds)) continue;
     for (std::uint32_t c = bunch.first_cone; c < bunch.last_cone; ++c) {
-      if (is_in_bounds(place, all.cones[c].reach, all.cones[c].slope)) return true;
+      if (is_in_bounds(place, all.cones[c])) return true;
     }
   }
   return false;
@@ -99,7 +99,7 @@ class LanesInGroup {
       hn::Store(radius, d, radius_m_.v + i);
       hn::Store(hn::Max(height, hn::Zero(d)), d, height_m_.v + i);
       const auto is_in_front = hn::And(wanted, hn::Ge(height, hn::Neg(radius)));
-      SetLanesFrom(d, in_cone(group.reach, group.slope, is_in_front, i), i, found);
+      SetLanesFrom(d, in_cone(group.bounds, is_in_front, i), i, found);
     }
     return found;
   }
@@ -110,13 +110,13 @@ class LanesInGroup {
     const D d;
     LaneMask found;
     for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
-      auto left = in_cone(chain.reach, chain.slope, LanesFrom(d, among, i), i);
+      auto left = in_cone(chain.bounds, LanesFrom(d, among, i), i);
       const auto wanted = left;
       for (std::uint32_t b = chain.first_bunch; b < chain.last_bunch; ++b) {
         const ConeBunch& bunch = all.bunches[b];
-        if (hn::AllFalse(d, in_cone(bunch.bounds.reach, bunch.bounds.slope, left, i))) continue;
+        if (hn::AllFalse(d, in_cone(bunch.bounds, left, i))) continue;
         for (std::uint32_t c = bunch.first_cone; c < bunch.last_cone; ++c) {
-          left = hn::AndNot(in_cone(all.cones[c].reach, all.cones[c].slope, left, i), left);
+          left = hn::AndNot(in_cone(all.cones[c], left, i), left);
         }
       }
       SetLanesFrom(d, hn::AndNot(left, wanted), i, found);
@@ -127,15 +127,14 @@ class LanesInGroup {
  private:
   using V = VecOf<D>;
 
-  hn::Mask<D> in_cone(const std::array<float, 8>& reach, const std::array<float, 8>& slope,
-                      hn::Mask<D> among, int i) const {
+  hn::Mask<D> in_cone(const ConeBounds& bounds, hn::Mask<D> among, int i) const {
     const D d;
     const V height = hn::Load(d, height_m_.v + i);
     const V radius = hn::Load(d, radius_m_.v + i);
     for (std::size_t k = 0; k < 8; ++k) {
-      const V grown = hn::Add(hn::Mul(height, hn::Set(d, slope[k])),
-                              hn::Mul(radius, hn::Set(d, 1.0f + std::abs(slope[k]))));
-      const V most = hn::Add(hn::Set(d, reach[k]), grown);
+      const V grown = hn::Add(hn::Mul(height, hn::Set(d, bounds.slope[k])),
+                              hn::Mul(radius, hn::Set(d, 1.0f + std::abs(bounds.slope[k]))));
+      const V most = hn::Add(hn::Set(d, bounds.reach[k]), grown);
       among = hn::And(among, hn::Le(hn::Load(d, along_m_[k].v + i), most));
       if (hn::AllFalse(d, among)) break;
     }
@@ -146,22 +145,19 @@ class LanesInGroup {
   std::array<LaneArray, 8> along_m_;  ///< Along the directions of the bounds.
 };
 
-/// The part of a ray [0, end_m) that may lie in the bounds of a chain or group; false where that is
-/// nothing.
-inline bool SegmentInBounds(const PointChainGroup& group, const std::array<float, 8>& reach,
-                            const std::array<float, 8>& slope, const Vec3f& origin,
-                            const Vec3f& direction, float end_m, float* begin, float* end) {
+/// The part of a ray [0, end) that may lie in the bounds of a chain or group.
+inline RaySegment SegmentInBounds(const PointChainGroup& group, const ConeBounds& bounds,
+                                  const Vec3f& origin, const Vec3f& direction, float end_m) {
   const hn::CappedTag<float, 8> d;
   const Vec3f v = origin - group.origin;
   const float height = glm::dot(v, group.normal);
   const float rise = glm::dot(direction, group.normal);
   float first = 0.0f;
   float last = end_m;
-  *begin = *end = 0.0f;
   // In front of the face.
   if (rise > 0.0f) first = std::max(first, -height / rise);
   if (rise < 0.0f) last = std::min(last, -height / rise);
-  if (rise == 0.0f && height < 0.0f) return false;
+  if (rise == 0.0f && height < 0.0f) return {};
   const auto zero = hn::Zero(d);
   const auto heights = hn::Set(d, height);
   const auto rises = hn::Set(d, rise);
@@ -170,9 +166,9 @@ inline bool SegmentInBounds(const PointChainGroup& group, const std::array<float
                    hn::Mul(hn::LoadU(d, kBoundSine.data() + k), hn::Set(d, glm::dot(x, group.v))));
   };
   for (std::size_t k = 0; k < 8; k += hn::Lanes(d)) {
-    const auto slopes = hn::LoadU(d, slope.data() + k);
-    const auto room =
-        hn::Sub(hn::Add(hn::LoadU(d, reach.data() + k), hn::Mul(heights, slopes)), along(v, k));
+    const auto slopes = hn::LoadU(d, bounds.slope.data() + k);
+    const auto room = hn::Sub(
+        hn::Add(hn::LoadU(d, bounds.reach.data() + k), hn::Mul(heights, slopes)), along(v, k));
     const auto growth = hn::Sub(hn::Mul(rises, slopes), along(direction, k));
     const auto crossing = hn::Div(hn::Neg(room), growth);
     const auto begins = hn::IfThenElse(hn::Gt(growth, zero), crossing, hn::Set(d, first));
@@ -180,9 +176,7 @@ inline bool SegmentInBounds(const PointChainGroup& group, const std::array<float
     first = std::max(first, hn::GetLane(hn::MaxOfLanes(d, begins)));
     last = std::min(last, hn::GetLane(hn::MinOfLanes(d, ends)));
   }
-  *begin = first;
-  *end = std::max(first, last);
-  return first < last;
+  return {first, last};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -10,6 +10,7 @@
 #endif
 
 #include <cstddef>
+#include <cstdint>
 
 #include "abbe/math/lanes-inl.h"
 #include "abbe/world/world.h"
@@ -42,12 +43,25 @@ HWY_INLINE VecOf<D> Triple(D d, const Vec3Of<D>& a, const Vec3Of<D>& b, const Ve
   return Dot3(d, cross, c);
 }
 
-/// Sends a ray of every lane from i on from the lamp through (u, v) of the first crossed plane.
+/// What lanes shoot over: the planes of a chain, their indices in the lanes from i on.
+struct ShotLanes {
+  const TabulatedScene& tables;
+  const PointChain& chain;
+  int set = 0;
+  int i = 0;
+
+  template <class D>
+  HWY_INLINE VecOf<D> index_of(D d, std::uint32_t material) const {
+    return hn::LoadU(d, tables.row(tables.materials[material].index, set) + i);
+  }
+};
+
+/// Sends a ray of every lane from the lamp through (u, v) of the first crossed plane.
 /// Domain: the chain crosses a plane; place is unfolded.
 template <class D>
-HWY_INLINE void ShootOverChain(D d, const TabulatedScene& tables, const PointChain& chain, int set,
-                               int i, VecOf<D> u, VecOf<D> v, const Vec3Of<D>& place,
-                               Shot<D>& shot) {
+HWY_INLINE void ShootOverChain(D d, const ShotLanes& lanes, VecOf<D> u, VecOf<D> v,
+                               const Vec3Of<D>& place, Shot<D>& shot) {
+  const PointChain& chain = lanes.chain;
   using V = VecOf<D>;
   using V3 = Vec3Of<D>;
   const std::size_t count = chain.crossings.size();
@@ -74,7 +88,7 @@ HWY_INLINE void ShootOverChain(D d, const TabulatedScene& tables, const PointCha
     const ChainStep& step = chain.steps[chain.crossings[k]];
     const float side = step.event == ChainEvent::Enter ? -1.0f : 1.0f;
     const V3 ahead = set3(static_cast<double>(side) * face->normal);
-    const V n = hn::LoadU(d, tables.row(tables.materials[step.material].index, set) + i);
+    const V n = lanes.index_of(d, step.material);
     // n_incident / n_transmitted.
     const V eta = step.event == ChainEvent::Enter ? hn::Div(one, n) : n;
     const V cosine = Dot3(d, ahead, direction);

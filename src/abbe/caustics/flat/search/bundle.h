@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "abbe/caustics/flat/bodies.h"
+#include "abbe/math/polygon.h"
 #include "abbe/math/vec.h"
 
 namespace abbe {
@@ -20,12 +21,11 @@ struct Bundle {
 /// it.
 struct BundleSet {
   std::vector<Bundle> bundles;
-  Vec3d center{0.0};
-  double radius_m = 0.0;
+  Ball ball;
   Vec3d axis{0.0, 0.0, 1.0};
   double tan_spread = 0.0;
 
-  bool is_alive() const { return radius_m > 0.0; }
+  bool is_alive() const { return ball.radius_m > 0.0; }
   void bound();
   bool may_meet(const Facet& facet) const;
 };

@@ -105,17 +105,10 @@ class Searcher {
   }
 
   BeamCone cone_of(const std::vector<Vec3d>& polygon) const {
-    Vec3d low = polygon.front();
-    Vec3d high = low;
-    for (const Vec3d& corner : polygon) {
-      low = glm::min(low, corner);
-      high = glm::max(high, corner);
-    }
+    const Ball ball = ball_about(polygon);
     BeamCone cone;
-    cone.center = 0.5 * (low + high);
-    for (const Vec3d& corner : polygon) {
-      cone.radius_m = std::max(cone.radius_m, glm::distance(corner, cone.center));
-    }
+    cone.center = ball.center;
+    cone.radius_m = ball.radius_m;
     const Vec3d to_center = cone.center - lamp_;
     const double distance = glm::length(to_center);
     cone.axis = distance > 0.0 ? to_center / distance : Vec3d(0.0, 0.0, 1.0);

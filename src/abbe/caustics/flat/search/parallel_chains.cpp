@@ -126,17 +126,25 @@ class Builder {
     const Facet& last = facets_[from];
     const FlatBody& body = search_.body_of(last);
     for (std::uint32_t g = body.first_facet; g < body.first_facet + body.facet_count; ++g) {
-      if (g == from || !front.may_meet(facets_[g])) continue;
-      const Facet& facet = facets_[g];
-      BundleSet arrived = front;
-      bool any = false;
-      for (Bundle& bundle : arrived.bundles) {
-        if (bundle.polygon.empty()) continue;
-        bundle.polygon = next_polygon(bundle, last, facet, true);
-        any |= !bundle.polygon.empty();
-      }
-      if (any) arrive_inside(arrived, g, reflections_left, bodies_left);
+      if (g == from) continue;
+      const auto arrived = arrival(front, last, facets_[g], true);
+      if (arrived) arrive_inside(*arrived, g, reflections_left, bodies_left);
     }
+  }
+
+  // The bundles behind one facet where they meet another; nothing if they miss it.
+  std::optional<BundleSet> arrival(const BundleSet& front, const Facet& last, const Facet& facet,
+                                   bool inside) const {
+    if (!front.may_meet(facet)) return std::nullopt;
+    BundleSet arrived = front;
+    bool any = false;
+    for (Bundle& bundle : arrived.bundles) {
+      if (bundle.polygon.empty()) continue;
+      bundle.polygon = next_polygon(bundle, last, facet, inside);
+      any |= !bundle.polygon.empty();
+    }
+    if (!any) return std::nullopt;
+    return arrived;
   }
 
   std::vector<Vec3d> next_polygon(const Bundle& bundle, const Facet& last, const Facet& facet,
@@ -201,15 +209,8 @@ class Builder {
     for (std::uint32_t f = 0; f < facets_.size(); ++f) {
       const Facet& facet = facets_[f];
       if (facet.body == facets_[from].body || search_.body_of(facet).is_mirror) continue;
-      if (!front.may_meet(facet)) continue;
-      BundleSet arrived = front;
-      bool any = false;
-      for (Bundle& bundle : arrived.bundles) {
-        if (bundle.polygon.empty()) continue;
-        bundle.polygon = next_polygon(bundle, facets_[from], facet, false);
-        any |= !bundle.polygon.empty();
-      }
-      if (any) arrive_outside(arrived, f, bodies_left);
+      const auto arrived = arrival(front, facets_[from], facet, false);
+      if (arrived) arrive_outside(*arrived, f, bodies_left);
     }
   }
 
@@ -268,8 +269,8 @@ class Builder {
       const Facet& facet = facets_[s.facet];
       s.distance_m = static_cast<float>(facet.distance - glm::dot(facet.normal, origin));
     }
-    chain.bound_center = Vec3f(front.center);
-    chain.bound_radius_m = static_cast<float>(front.radius_m * 1.001 + 1e-6);
+    chain.bound_center = Vec3f(front.ball.center);
+    chain.bound_radius_m = static_cast<float>(front.ball.radius_m * 1.001 + 1e-6);
     chain.bound_axis = Vec3f(front.axis);
     chain.bound_tan = static_cast<float>(std::min(front.tan_spread * 1.001 + 1e-5, 1e30));
     chain.side_count = sides + 1;

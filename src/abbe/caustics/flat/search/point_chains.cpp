@@ -76,30 +76,18 @@ std::vector<FaceFrame> frames_of(const FlatBodies& flat) {
   return frames;
 }
 
-/// As ConeBounds, before rounding.
-struct Bounds {
-  std::array<double, 8> reach{}, slope{};
+using Bounds = BoundsOf<double>;
 
-  Bounds() {
-    reach.fill(-std::numeric_limits<double>::infinity());
-    slope.fill(-std::numeric_limits<double>::infinity());
+ConeBounds rounded(const Bounds& bounds) {
+  ConeBounds result;
+  for (std::size_t k = 0; k < 8; ++k) {
+    const double reach = bounds.reach[k];
+    result.reach[k] = static_cast<float>(reach + kSlack * (1.0 + std::abs(reach)));
+    const double steepest = bounds.slope[k] + kSlack * (1.0 + std::abs(bounds.slope[k]));
+    result.slope[k] = steepest < 1e6 ? static_cast<float>(steepest) : kNoBound;
   }
-  void include(const Bounds& other) {
-    for (std::size_t k = 0; k < 8; ++k) {
-      reach[k] = std::max(reach[k], other.reach[k]);
-      slope[k] = std::max(slope[k], other.slope[k]);
-    }
-  }
-  ConeBounds rounded() const {
-    ConeBounds result;
-    for (std::size_t k = 0; k < 8; ++k) {
-      result.reach[k] = static_cast<float>(reach[k] + kSlack * (1.0 + std::abs(reach[k])));
-      const double steepest = slope[k] + kSlack * (1.0 + std::abs(slope[k]));
-      result.slope[k] = steepest < 1e6 ? static_cast<float>(steepest) : kNoBound;
-    }
-    return result;
-  }
-};
+  return result;
+}
 
 /// What is known of a chain from the cones that took it.
 struct Gathered {
@@ -198,15 +186,13 @@ class Maker {
         const std::size_t last = std::min(first + share, cones.size());
         for (; first < last; ++first) part.include(cones[first]);
         bunch.include(part);
-        parts.push_back(part.rounded());
+        parts.push_back(rounded(part));
       }
       all.include(bunch);
-      bunches.push_back({bunch.rounded(), first_part, static_cast<std::uint32_t>(parts.size())});
+      bunches.push_back({rounded(bunch), first_part, static_cast<std::uint32_t>(parts.size())});
     }
     chain.last_bunch = static_cast<std::uint32_t>(bunches.size());
-    const ConeBounds rounded = all.rounded();
-    chain.reach = rounded.reach;
-    chain.slope = rounded.slope;
+    chain.bounds = rounded(all);
   }
 
   std::uint32_t material_of(std::uint32_t face) const {
@@ -259,8 +245,6 @@ PointChainGroup group_of(const PointChain& chain, const FaceFrame& frame, const 
   group.normal = Vec3f(normal);
   group.u = Vec3f(frame.u);
   group.v = Vec3f(frame.v);
-  group.reach.fill(-kNoBound);
-  group.slope.fill(-kNoBound);
   return group;
 }
 
@@ -297,10 +281,7 @@ ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::
       group.first_chain = static_cast<std::uint32_t>(chains.chains.size());
     }
     PointChainGroup& group = chains.groups.back();
-    for (std::size_t k = 0; k < 8; ++k) {
-      group.reach[k] = std::max(group.reach[k], chain.reach[k]);
-      group.slope[k] = std::max(group.slope[k], chain.slope[k]);
-    }
+    group.bounds.include(chain.bounds);
     group.largest = std::max(group.largest, chain.largest);
     ++group.chain_count;
     chains.chains.push_back(std::move(chain));

@@ -1,14 +1,18 @@
-#include <cmath>
 #include <cstdio>
 
-#include "abbe/base/constants.h"
-#include "abbe/optics/dispersion.h"
+#include "abbe/session/picture.h"
 
-int main() {
-  // SCHOTT N-BK7, data sheet: n_d = 1.51680.
-  const abbe::SellmeierFormula n_bk7{.B = {1.03961212, 0.231792344, 1.01046945},
-                                     .C = {0.00600069867, 0.0200179144, 103.560653}};
-  const double n_d = abbe::refractive_index(n_bk7, abbe::kLine_d_nm);
-  std::printf("n_d of N-BK7: %.5f\n", n_d);
-  return std::abs(n_d - 1.51680) < 1e-5 ? 0 : 1;  // The data sheet's five decimals.
+int main(int, char** argv) {
+  abbe::Notes notes;
+  const auto standards = abbe::read_standards();
+  const auto scene = abbe::prepare_scene({.file = argv[1]}, standards.catalogue, notes);
+  abbe::RenderSettings settings;
+  settings.size = {160, 90};
+  settings.crop = abbe::PixelRect{60, 20, 100, 70};
+  settings.bands = abbe::parse_bands("400:700:20");
+  const abbe::Image image = abbe::render_picture(scene, settings, standards, notes).image;
+  for (std::size_t c = 0; c < image.channel_count(); ++c) {  // R, G, B, then the bands.
+    std::printf("%-20s %g\n", image.channels[c].c_str(), image.at(20, 25, c));
+  }
+  abbe::write_exr(argv[2], image, {});
 }

@@ -1,0 +1,153 @@
+/// Settings to what a file says, and back.
+#include "abbe/session/provenance.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "abbe/base/error.h"
+#include "abbe/session/picture.h"
+#include "support/scene_builder.h"
+
+namespace abbe {
+namespace {
+
+using testing::HasSubstr;
+
+PreparedScene prepared() {
+  PreparedScene scene;
+  scene.scene.cameras.emplace_back();
+  scene.scene.cameras.front().name = "eye";
+  scene.scene.name = "stage";
+  scene.lamp_id = "illuminant/A";
+  return scene;
+}
+
+// The header of a whole file with these attributes.
+ExrHeader header_of(const RenderSettings& settings) {
+  ExrHeader header;
+  header.width = settings.size.x;
+  header.height = settings.size.y;
+  if (settings.crop) {
+    header.width = settings.crop->width();
+    header.height = settings.crop->height();
+    header.data_origin = {settings.crop->x0, settings.crop->y0};
+    header.full_size = settings.size;
+  }
+  header.compression = "piz";
+  header.tile_size = 64;
+  header.attributes = provenance(prepared(), settings, {}, read_standards(test::catalogue()));
+  return header;
+}
+
+TEST(Recipe, of_a_file_has_the_settings_that_made_it) {
+  RenderSettings settings;
+  settings.size = {64, 36};
+  settings.crop = PixelRect{3, 4, 20, 30};
+  settings.samples_per_pixel = 7;
+  settings.wavelengths.count = 12;
+  settings.wavelengths.range_min_nm = 400.5;
+  settings.bands = parse_bands("400.5:700.5:2.5");
+  settings.filter = "mitchell";
+  settings.max_depth = 3;
+  settings.cutoff = 0.1;
+  settings.drop = true;
+  settings.uplift = Uplift::MallettYuksel;
+  settings.caustics = false;
+  settings.inner_reflections = 4;
+  settings.seed = 4294967295u;
+  settings.aovs = {"Z", "albedo"};
+  settings.frozen.insert(Cause::Lamps);
+  const std::optional<Recipe> recipe = recipe_of(header_of(settings));
+  ASSERT_TRUE(recipe);
+  const RenderSettings& read = recipe->settings;
+  EXPECT_EQ(read.size, settings.size);
+  EXPECT_EQ(read.crop->x0, 3);
+  EXPECT_EQ(read.crop->y1, 30);
+  EXPECT_EQ(read.samples_per_pixel, 7);
+  EXPECT_EQ(read.wavelengths.count, 12);
+  EXPECT_EQ(read.wavelengths.range_min_nm, 400.5);
+  EXPECT_EQ(read.wavelengths.range_max_nm, settings.wavelengths.range_max_nm);
+  EXPECT_EQ(bands_text(*read.bands), "400.5:700.5:2.5");
+  EXPECT_EQ(read.filter, "mitchell");
+  EXPECT_EQ(read.max_depth, 3);
+  EXPECT_EQ(read.cutoff, 0.1);
+  EXPECT_TRUE(read.drop);
+  EXPECT_EQ(read.uplift, Uplift::MallettYuksel);
+  EXPECT_FALSE(read.caustics);
+  EXPECT_EQ(read.inner_reflections, 4);
+  EXPECT_EQ(read.seed, settings.seed);
+  EXPECT_EQ(read.aovs, settings.aovs);
+  EXPECT_EQ(read.frozen, settings.frozen);
+  EXPECT_EQ(recipe->scene.scene, "stage");
+  EXPECT_EQ(recipe->scene.camera, "eye");
+  EXPECT_EQ(recipe->scene.lamp, "illuminant/A");
+  EXPECT_EQ(recipe->development.white, "illuminant/D65");
+  EXPECT_EQ(recipe->development.adaptation, "cat16");
+  EXPECT_EQ(recipe->color_space, kRenderSpace);
+  EXPECT_EQ(recipe->form.compression, "piz");
+  EXPECT_EQ(recipe->form.tile_size, 64);
+  // The same recipe gives the same attributes.
+  EXPECT_EQ(header_of(read).attributes, header_of(settings).attributes);
+}
+
+TEST(Recipe, of_lines_has_no_range) {
+  RenderSettings settings;
+  settings.wavelengths.exact_nm = {486.13, 587.56};
+  const std::optional<Recipe> recipe = recipe_of(header_of(settings));
+  ASSERT_TRUE(recipe);
+  EXPECT_EQ(recipe->settings.wavelengths.exact_nm, settings.wavelengths.exact_nm);
+}
+
+TEST(Recipe, of_a_file_that_no_render_made_is_absent) {
+  EXPECT_FALSE(recipe_of(ExrHeader{}));
+  ExrHeader developed = header_of({});
+  developed.attributes["abbe:developed"] = std::string("anew");
+  EXPECT_FALSE(recipe_of(developed));
+}
+
+TEST(Recipe, of_hostile_attributes_is_an_input_error) {
+  const std::pair<const char*, Attribute> wrong[] = {
+      {"abbe:mode", std::string("cmyk")},      {"abbe:mode", 3},
+      {"abbe:samples", std::string("many")},   {"abbe:samples", -1},
+      {"abbe:range", std::string("1:2:3 nm")}, {"abbe:bands", std::string("x")},
+      {"abbe:lines", std::string("1,,2 nm")},  {"abbe:filter", std::string("sinc")},
+      {"abbe:freeze", std::string("noise")},   {"abbe:aov", std::string("depth")}};
+  for (const auto& [name, value] : wrong) {
+    ExrHeader header = header_of({});
+    header.attributes[name] = value;
+    try {
+      (void)recipe_of(header);
+      ADD_FAILURE() << "no error for " << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.detail().kind, ErrorKind::Input) << name;
+      EXPECT_THAT(error.what(), HasSubstr("another version"));
+    }
+  }
+}
+
+TEST(Picture, error_of_a_setting_names_its_field) {
+  const Standards standards = read_standards(test::catalogue());
+  Notes notes;
+  const auto rejects = [&](const char* field, const auto& change) {
+    RenderSettings settings;
+    change(settings);
+    try {
+      (void)render_picture(prepared(), settings, standards, notes);
+      ADD_FAILURE() << "no error for " << field;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.detail().kind, ErrorKind::Usage);
+      EXPECT_EQ(error.detail().where, field);
+      EXPECT_EQ(std::string(error.what()).find("--"), std::string::npos) << error.what();
+    }
+  };
+  rejects("samples_per_pixel", [](RenderSettings& settings) { settings.samples_per_pixel = 0; });
+  rejects("wavelengths.count", [](RenderSettings& settings) { settings.wavelengths.count = 65; });
+  rejects("aovs", [](RenderSettings& settings) { settings.aovs = {"spectralAlbedo"}; });
+  rejects("bands", [](RenderSettings& settings) {
+    settings.mode = Mode::Rgb;
+    settings.bands = parse_bands("400:700:10");
+  });
+}
+
+}  // namespace
+}  // namespace abbe

@@ -1,36 +1,21 @@
 #include "abbe/film/bands.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <vector>
 
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
+#include "abbe/base/text.h"
 
 namespace abbe {
 namespace {
 
 constexpr double kSmallestStep_nm = 0.01;
-constexpr int kMostBands = 1000;
+constexpr int kMaxBands = 1000;
 
 [[noreturn]] void reject(const std::string& text, const std::string& expected) {
   throw_usage_error("bands", "'" + text + "'", expected);
-}
-
-std::vector<double> numbers_between_colons(const std::string& text) {
-  std::vector<double> numbers;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (true) {
-    double number = 0.0;
-    const auto [after, error] = std::from_chars(at, end, number);
-    if (error != std::errc() || !std::isfinite(number)) return {};
-    numbers.push_back(number);
-    if (after == end) return numbers;
-    if (*after != ':') return {};
-    at = after + 1;
-  }
 }
 
 }  // namespace
@@ -45,8 +30,12 @@ std::optional<int> BandOptions::index_of(double wavelength_nm) const {
 }
 
 BandOptions parse_bands(const std::string& text) {
-  const std::vector<double> numbers = numbers_between_colons(text);
-  if (numbers.size() != 3) reject(text, "A:B:STEP in nm, as in 360:830:5");
+  std::vector<double> numbers;
+  for (const std::string& part : split(text, ':')) {
+    if (const auto number = number_of(part)) numbers.push_back(*number);
+  }
+  const auto colons = std::count(text.begin(), text.end(), ':');
+  if (colons != 2 || numbers.size() != 3) reject(text, "A:B:STEP in nm, as in 360:830:5");
   BandOptions bands{numbers[0], numbers[1], numbers[2], 0};
   if (bands.begin_nm < kRangeMin_nm || bands.end_nm > kRangeMax_nm ||
       bands.begin_nm >= bands.end_nm) {
@@ -58,7 +47,7 @@ BandOptions parse_bands(const std::string& text) {
   if (std::abs(steps - std::round(steps)) > 1e-6 || std::round(steps) < 1.0) {
     reject(text, "a STEP of which B - A is a whole multiple");
   }
-  if (steps > kMostBands) reject(text, "at most 1000 bands");
+  if (steps > kMaxBands) reject(text, "at most 1000 bands");
   bands.count = static_cast<int>(std::lround(steps));
   return bands;
 }

@@ -5,6 +5,7 @@
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
 #include "abbe/base/parallel.h"
+#include "abbe/image/channels.h"
 #include "abbe/image/exr/exr.h"
 
 namespace abbe {
@@ -75,12 +76,7 @@ Image developed(const Image& spectral, const DevelopmentOptions& options,
   std::vector<Vec3d> rgb_rec709_of_band = responses_of_bands(spectral, bands, observer);
   for (Vec3d& response : rgb_rec709_of_band) response = to_rec709 * response;
 
-  Image image;
-  image.width = spectral.width;
-  image.height = spectral.height;
-  image.data_origin = spectral.data_origin;
-  image.full_size = spectral.full_size;
-  image.channels = {"R", "G", "B"};
+  Image image = same_window(spectral, {"R", "G", "B"});
   const std::size_t pixels =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
   image.pixels.resize(3 * pixels);

@@ -16,6 +16,7 @@
 #include "abbe/cli/options/outputs.h"
 #include "abbe/cli/options/typed.h"
 #include "abbe/cli/print/text.h"
+#include "abbe/image/channels.h"
 #include "abbe/image/exr/exr.h"
 #include "abbe/image/metrics/heat_map.h"
 #include "abbe/image/raster/raster.h"
@@ -56,18 +57,8 @@ void keep_channels(Image& image, const std::vector<std::string>& names, const st
     }
     kept.push_back(*index);
   }
-  const std::size_t pixels = image.pixels.size() / image.channel_count();
-  std::vector<float> values;
-  values.reserve(pixels * kept.size());
-  for (std::size_t p = 0; p < pixels; ++p) {
-    for (const std::size_t c : kept) values.push_back(image.pixels[p * image.channel_count() + c]);
-  }
-  image.pixels = std::move(values);
+  image.pixels = picked_values(image, kept);
   image.channels = names;
-}
-
-bool has_rgb(const Image& image) {
-  return image.channel_index("R") && image.channel_index("G") && image.channel_index("B");
 }
 
 // R, G, B as the eye is to see them: linear Rec.709 at the exposure asked for.
@@ -211,12 +202,7 @@ void write_maps(const DiffCommand& arguments, const Map& map, const Image& refer
       write_raster(file, heat_map(map.values, reference.width, reference.height, map.full_scale));
       continue;
     }
-    Image values;
-    values.width = reference.width;
-    values.height = reference.height;
-    values.data_origin = reference.data_origin;
-    values.full_size = reference.full_size;
-    values.channels = {"Y"};
+    Image values = same_window(reference, {"Y"});
     values.pixels = map.values;
     write_exr(file, values, {});
   }
@@ -255,7 +241,7 @@ ExitCode run_diff(const DiffCommand& arguments) {
   std::optional<ColorMaps> maps;
   // Channels first: what is missing in one of the images is to be said, not passed over.
   (void)difference_of(image.image, reference.image, std::nullopt);
-  if (has_rgb(image.image)) {
+  if (rgb_channels(image.image)) {
     maps = color_maps(linear_rec709(image, arguments), linear_rec709(reference, arguments),
                       arguments.options);
   }

@@ -18,6 +18,7 @@
 #include "abbe/cli/options/typed.h"
 #include "abbe/cli/print/text.h"
 #include "abbe/film/spectral_image.h"
+#include "abbe/image/channels.h"
 #include "abbe/image/exr/exr.h"
 #include "abbe/image/metrics/false_color.h"
 #include "abbe/image/raster/raster.h"
@@ -43,32 +44,9 @@ struct ColorImage {
 
 // Three channels, or one three times, as R, G and B.
 Image picked(const Image& from, const std::array<std::size_t, 3>& channels) {
-  Image image;
-  image.width = from.width;
-  image.height = from.height;
-  image.data_origin = from.data_origin;
-  image.full_size = from.full_size;
-  image.channels = {"R", "G", "B"};
-  const std::size_t pixels = from.pixels.size() / from.channel_count();
-  image.pixels.reserve(3 * pixels);
-  for (std::size_t p = 0; p < pixels; ++p) {
-    for (const std::size_t c : channels) {
-      image.pixels.push_back(from.pixels[p * from.channel_count() + c]);
-    }
-  }
+  Image image = same_window(from, {"R", "G", "B"});
+  image.pixels = picked_values(from, channels);
   return image;
-}
-
-std::optional<std::array<std::size_t, 3>> channels_named(const Image& image,
-                                                         const std::string& prefix,
-                                                         const std::array<const char*, 3>& names) {
-  std::array<std::size_t, 3> found{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto index = image.channel_index(prefix + names[i]);
-    if (!index) return std::nullopt;
-    found[i] = *index;
-  }
-  return found;
 }
 
 ColorImage layer_of(const Image& image, const std::string& layer, const std::string& space) {
@@ -96,7 +74,7 @@ ColorImage colors_of(const DisplayCommand& arguments, Image image) {
     return otherwise != nullptr ? std::string(otherwise) : space_of_file(arguments.input);
   };
   if (!arguments.layer.empty()) return layer_of(image, arguments.layer, space(nullptr));
-  if (channels_named(image, "", {"R", "G", "B"})) {
+  if (rgb_channels(image)) {
     std::string name = space(nullptr);
     return {std::move(image), std::move(name)};
   }

@@ -1,8 +1,8 @@
 #include "abbe/load/spectra/text.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
+
+#include "abbe/base/text.h"
 
 namespace abbe {
 
@@ -32,12 +32,7 @@ std::vector<std::string_view> lines_of(std::string_view text) {
 
 std::optional<double> finite_number_of(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) {
-    return std::nullopt;
-  }
-  return value;
+  return number_of(word);
 }
 
 }  // namespace abbe

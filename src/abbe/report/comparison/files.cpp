@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "abbe/base/file.h"
+#include "abbe/image/channels.h"
 #include "abbe/image/exr/exr.h"
 #include "abbe/image/metrics/heat_map.h"
 #include "abbe/image/raster/raster.h"
@@ -18,12 +19,12 @@ namespace {
 
 // Ray trees kept in the page, along the longer side.
 constexpr int kTrees = 16;
-constexpr std::size_t kMostTreeLines = 80;
+constexpr std::size_t kMaxTreeLines = 80;
 
 std::string data_uri(const std::filesystem::path& file, const char* type) {
-  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+  constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
   return std::string("data:image/") + type + ";base64," +
-         base64(read_file(file, file.string(), kMostBytes));
+         base64(read_file(file, file.string(), kMaxBytes));
 }
 
 }  // namespace
@@ -56,7 +57,7 @@ std::map<std::string, std::string> write_pictures(DisplayOptions display,
     bytes += pictures[mode].size();
   }
   // Noise does not compress: what would not leave room for the rest is shown as JPEG.
-  if (bytes <= kMostPageBytes / 2) return pictures;
+  if (bytes <= kMaxPageBytes / 2) return pictures;
   for (const auto& [mode, shot] : result.modes) {
     const std::filesystem::path file = folder / (mode + ".jpg");
     write_raster(file, to_display(shot.image, display));
@@ -68,11 +69,7 @@ std::map<std::string, std::string> write_pictures(DisplayOptions display,
 
 void write_maps(const std::filesystem::path& folder, const CompareResult& result) {
   const Image& spectral = result.modes.at("spectral").image;
-  Image maps;
-  maps.width = spectral.width;
-  maps.height = spectral.height;
-  maps.data_origin = spectral.data_origin;
-  maps.full_size = spectral.full_size;
+  Image maps = same_window(spectral, {});
   std::vector<const std::vector<float>*> layers;
   const auto add = [&](const std::string& name, const std::vector<float>& map) {
     maps.channels.push_back(name);
@@ -117,7 +114,7 @@ std::vector<KeptTree> kept_trees(const PreparedScene& prepared, const Standards&
       const auto nodes = probe_tree(probed.records, prepared.scene, world, probed.sample);
       std::string text = tree_text(nodes, {.least_weight = 0.01});
       std::size_t end = 0, lines = 0;
-      while (lines < kMostTreeLines && end != std::string::npos) {
+      while (lines < kMaxTreeLines && end != std::string::npos) {
         end = text.find('\n', end == 0 ? 0 : end + 1);
         ++lines;
       }

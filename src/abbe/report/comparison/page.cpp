@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "abbe/color/spectrum_colors.h"
+#include "abbe/image/channels.h"
 #include "abbe/image/exr/exr.h"
 #include "abbe/image/metrics/heat_map.h"
 #include "abbe/report/json.h"
@@ -207,16 +208,6 @@ Bands bands_of(const Image& image) {
   return bands;
 }
 
-std::vector<float> picked_channels(const Image& image, const std::vector<std::size_t>& channels) {
-  std::vector<float> out;
-  const std::size_t pixels = image.pixels.size() / image.channel_count();
-  out.reserve(pixels * channels.size());
-  for (std::size_t p = 0; p < pixels; ++p) {
-    for (const std::size_t c : channels) out.push_back(image.pixels[p * image.channel_count() + c]);
-  }
-  return out;
-}
-
 Json probe_json(const CompareResult& result, const Bands& bands, int block) {
   const Image& spectral = result.modes.at("spectral").image;
   const int width = spectral.width, height = spectral.height;
@@ -232,7 +223,7 @@ Json probe_json(const CompareResult& result, const Bands& bands, int block) {
   }
   const Blocks color_blocks = block_means(colors, width, height, 3 * result.modes.size(), block);
   const PackedNumbers packed = packed_numbers(color_blocks.values);
-  const Blocks spectra = block_means(picked_channels(spectral, bands.channels), width, height,
+  const Blocks spectra = block_means(picked_values(spectral, bands.channels), width, height,
                                      bands.channels.size(), block);
   return {{"block", block},
           {"width", color_blocks.width},

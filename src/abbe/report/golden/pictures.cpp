@@ -6,6 +6,7 @@
 #include "abbe/base/error.h"
 #include "abbe/base/file.h"
 #include "abbe/display/display.h"
+#include "abbe/image/channels.h"
 #include "abbe/image/metrics/heat_map.h"
 #include "abbe/image/metrics/metrics.h"
 #include "abbe/image/raster/raster.h"
@@ -23,16 +24,12 @@ std::string png_uri(const Image& rgb_encoded) {
            hash_bytes(rgb_encoded.pixels.data(), rgb_encoded.pixels.size() * sizeof(float))) +
        ".png");
   write_raster(file, rgb_encoded);
-  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+  constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
   const std::string uri =
-      "data:image/png;base64," + base64(read_file(file, file.string(), kMostBytes));
+      "data:image/png;base64," + base64(read_file(file, file.string(), kMaxBytes));
   std::error_code error;
   std::filesystem::remove(file, error);
   return uri;
-}
-
-bool has_rgb(const Image& image) {
-  return image.channel_index("R") && image.channel_index("G") && image.channel_index("B");
 }
 
 }  // namespace
@@ -47,15 +44,8 @@ Image with_channels(const Image& image, const std::vector<std::string>& channels
       throw_input_error(where, "no channel " + channel, "those of the reference", channels);
     picked.push_back(*index);
   }
-  Image result = image;
-  result.channels = channels;
-  result.pixels.clear();
-  const std::size_t pixels = image.pixels.size() / image.channel_count();
-  result.pixels.reserve(pixels * picked.size());
-  for (std::size_t p = 0; p < pixels; ++p) {
-    for (const std::size_t c : picked)
-      result.pixels.push_back(image.pixels[p * image.channel_count() + c]);
-  }
+  Image result = same_window(image, channels);
+  result.pixels = picked_values(image, picked);
   return result;
 }
 
@@ -63,7 +53,7 @@ std::vector<std::pair<std::string, std::string>> failure_pictures(
     const Image& reference, const Image& image, const CompareThresholds& thresholds) {
   std::vector<std::pair<std::string, std::string>> pictures;
   if (reference.width != image.width || reference.height != image.height) return pictures;
-  if (has_rgb(reference)) {
+  if (rgb_channels(reference)) {
     pictures.emplace_back("reference", png_uri(to_display(reference, {})));
     pictures.emplace_back("result", png_uri(to_display(image, {})));
   }

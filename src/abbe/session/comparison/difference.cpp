@@ -2,23 +2,15 @@
 
 #include <cmath>
 
+#include "abbe/image/channels.h"
+
 namespace abbe {
 
 Image exposed(const Image& image, double exposure_ev) {
-  Image result;
-  result.width = image.width;
-  result.height = image.height;
-  result.channels = {"R", "G", "B"};
-  const std::size_t channels = image.channel_count();
-  const std::size_t r = *image.channel_index("R"), g = *image.channel_index("G"),
-                    b = *image.channel_index("B");
+  Image result = same_window(image, {"R", "G", "B"});
+  result.pixels = picked_values(image, rgb_channels(image).value());
   const auto gain = static_cast<float>(std::exp2(exposure_ev));
-  const std::size_t pixels = image.pixels.size() / channels;
-  result.pixels.reserve(3 * pixels);
-  for (std::size_t p = 0; p < pixels; ++p) {
-    const float* in = image.pixels.data() + p * channels;
-    result.pixels.insert(result.pixels.end(), {gain * in[r], gain * in[g], gain * in[b]});
-  }
+  for (float& value : result.pixels) value *= gain;
   return result;
 }
 

@@ -1,0 +1,43 @@
+#include "abbe/image/channels.h"
+
+#include <utility>
+
+namespace abbe {
+
+Image same_window(const Image& image, std::vector<std::string> channels) {
+  Image result;
+  result.width = image.width;
+  result.height = image.height;
+  result.data_origin = image.data_origin;
+  result.full_size = image.full_size;
+  result.channels = std::move(channels);
+  return result;
+}
+
+std::vector<float> picked_values(const Image& image, std::span<const std::size_t> channels) {
+  std::vector<float> values;
+  const std::size_t stride = image.channel_count();
+  values.reserve(image.pixels.size() / stride * channels.size());
+  for (std::size_t p = 0; p < image.pixels.size(); p += stride) {
+    for (const std::size_t c : channels) values.push_back(image.pixels[p + c]);
+  }
+  return values;
+}
+
+std::optional<std::array<std::size_t, 3>> channels_named(const Image& image,
+                                                         const std::string& prefix,
+                                                         const std::array<const char*, 3>& names) {
+  std::array<std::size_t, 3> found{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto index = image.channel_index(prefix + names[i]);
+    if (!index) return std::nullopt;
+    found[i] = *index;
+  }
+  return found;
+}
+
+std::optional<std::array<std::size_t, 3>> rgb_channels(const Image& image) {
+  return channels_named(image, "", {"R", "G", "B"});
+}
+
+}  // namespace abbe

@@ -53,11 +53,11 @@ TEST(ComparePage, noise_of_1280x720_with_36_bands_stays_below_8_megabytes) {
   result.causes.dominant.assign(result.causes.whole.size(), 2);
   // As large as write_pictures lets them be.
   const std::map<std::string, std::string> pictures{
-      {"rgb", std::string(kMostPageBytes / 6, 'A')},
-      {"rgb3", std::string(kMostPageBytes / 6, 'A')},
-      {"spectral", std::string(kMostPageBytes / 6, 'A')}};
+      {"rgb", std::string(kMaxPageBytes / 6, 'A')},
+      {"rgb3", std::string(kMaxPageBytes / 6, 'A')},
+      {"spectral", std::string(kMaxPageBytes / 6, 'A')}};
   Observer observer;
-  const std::string page = compare_page(result, pictures, observer, kMostPageBytes);
+  const std::string page = compare_page(result, pictures, observer, kMaxPageBytes);
   EXPECT_LT(page.size(), 8'000'000u);
   // And still has what it is for.
   EXPECT_NE(page.find("\"id\": \"uplift\""), std::string::npos);

@@ -13,7 +13,7 @@ namespace abbe {
 namespace {
 
 constexpr int kLongestSide_px = 65536;
-constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
 
 std::string text_of(const Vec2i& size) {
   return std::to_string(size.x) + "x" + std::to_string(size.y);
@@ -35,7 +35,7 @@ PixelRect checked_crop(const FilmOptions& options) {
     throw_usage_error("crop", text_of(crop),
                       "X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1 inside " + text_of(size));
   }
-  if (std::int64_t{crop.width()} * crop.height() > kMostPixels) {
+  if (std::int64_t{crop.width()} * crop.height() > kMaxPixels) {
     throw_usage_error("size", text_of(Vec2i{crop.width(), crop.height()}),
                       "at most 2^28 pixels; `crop` renders a part");
   }

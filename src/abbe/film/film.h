@@ -23,6 +23,7 @@ enum class AovRule : std::uint8_t {
           ///< normals.
 };
 
+/// An extra channel of an image.
 struct AovChannel {
   std::string name;
   AovRule rule = AovRule::Mean;
@@ -43,16 +44,18 @@ struct PixelRect {
   }
 };
 
+/// What a film holds.
 struct FilmOptions {
   Vec2i full_size{0, 0};
   std::optional<PixelRect> crop = {};     ///< Default: the whole image.
   std::optional<BandOptions> bands = {};  ///< Spectral channels beside the colour.
-  /// Spectral channels at exactly these wavelengths (--lines) instead of bands.
+  /// Spectral channels at exactly these wavelengths instead of bands.
   std::vector<double> lines_nm = {};
   std::vector<AovChannel> aovs = {};
   float weight_magnitude = 1.0f;  ///< Filter::weight_magnitude() of the filter used.
 };
 
+/// How a film becomes an image.
 struct FilmDevelopment {
   /// From what was added as `xyz` to linear Rec.709; Development::xyz_to_rec709, or the identity
   /// for a film that was given linear Rec.709.

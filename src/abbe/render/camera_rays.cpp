@@ -28,9 +28,9 @@ void CameraRays::aim(const Vec2d& film_px, CameraSample& sample) const {
   const Vec3f downwards(-pixel_width * up_);
   if (is_perspective_) {
     sample.origin = Vec3f(origin_);
-    const Vec3d way = forward_ + x * right_ + y * up_;
-    const auto scale = static_cast<float>(1.0 / glm::length(way));
-    sample.direction = Vec3f(glm::normalize(way));
+    const Vec3d along = forward_ + x * right_ + y * up_;
+    const auto scale = static_cast<float>(1.0 / glm::length(along));
+    sample.direction = Vec3f(glm::normalize(along));
     sample.direction_per_px = {scale * rightwards, scale * downwards};
     sample.footprint_m = 0.0f;
     sample.footprint_per_m = static_cast<float>(pixel_width);

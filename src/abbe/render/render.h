@@ -16,6 +16,7 @@ namespace abbe {
 /// Told how far a render is; called from one thread at a time.
 using ProgressCallback = std::function<void(double fraction_done)>;
 
+/// What rendering took, and whether it came to its end.
 struct RenderResult {
   IntegratorStats stats;
   double seconds = 0.0;

@@ -15,23 +15,24 @@
 
 namespace abbe {
 
+/// Every field has a default; check_settings says what each may be, and its errors name fields.
 struct RenderSettings {
   Mode mode = Mode::Spectral;
   Vec2i size{960, 540};
-  std::optional<PixelRect> crop;
+  std::optional<PixelRect> crop;  ///< The pixels rendered; none: all of `size`.
   int samples_per_pixel = 16;
   WavelengthOptions wavelengths;
-  std::optional<BandOptions> bands;
-  std::string filter = "gaussian";
-  int max_depth = 16;
-  double cutoff = 1e-4;
-  bool drop = false;
+  std::optional<BandOptions> bands;  ///< Spectral channels beside R, G and B.
+  std::string filter = "gaussian";   ///< Of filter_names().
+  int max_depth = 16;                ///< Most surfaces a path may leave.
+  double cutoff = 1e-4;              ///< Weight below which a fan no longer branches.
+  bool drop = false;  ///< End such fans instead of following one child; loses energy.
   Uplift uplift = Uplift::JakobHanika;  ///< Of the scene's RGB colours, in spectral mode.
-  bool caustics = true;       ///< Light bent by flat facets exactly; else straight shadow rays.
-  int inner_reflections = 1;  ///< Of a chain of facets, in one body.
-  std::uint32_t seed = 0;
-  std::vector<std::string> aovs;       ///< Groups of extra channels, of aov_names().
-  int threads = 0;                     ///< 0: all cores. Never shapes the image.
+  bool caustics = true;           ///< Light bent by flat facets exactly; else straight shadow rays.
+  int inner_reflections = 1;      ///< Of a chain of facets, in one body.
+  std::uint32_t seed = 0;         ///< Of the sampling pattern.
+  std::vector<std::string> aovs;  ///< Groups of extra channels, of aov_names().
+  int threads = 0;                ///< 0: all cores. Never shapes the image.
   std::string accelerator = "kdtree";  ///< One of accelerator_names(). Never shapes the image.
   CauseSet frozen;                     ///< Held as the mode `rgb` has them; spectral mode only.
   int cluster_lanes = 0;               ///< IntegratorSettings::cluster_lanes: benchmarks only.

@@ -21,13 +21,13 @@ void check_alike(const Image& image, const Image& reference) {
       if (!in.channel_index(channel)) missing.push_back(channel);
     }
     if (missing.empty()) return;
-    constexpr std::size_t kMostNames = 8;
+    constexpr std::size_t kMaxNames = 8;
     std::string found = std::string(whose) + " without ";
-    for (std::size_t i = 0; i < std::min(missing.size(), kMostNames); ++i) {
+    for (std::size_t i = 0; i < std::min(missing.size(), kMaxNames); ++i) {
       found += (i > 0 ? ", " : "") + missing[i];
     }
-    if (missing.size() > kMostNames) {
-      found += " and " + std::to_string(missing.size() - kMostNames) + " more";
+    if (missing.size() > kMaxNames) {
+      found += " and " + std::to_string(missing.size() - kMaxNames) + " more";
     }
     throw_input_error("", found, "the same channels in both; `channels` compares a part");
   };

@@ -11,6 +11,7 @@
 
 namespace abbe {
 
+/// Two images in numbers.
 struct Difference {
   std::vector<ChannelMetrics> channels;  ///< In the order of the reference.
   ChannelMetrics all;
@@ -31,6 +32,7 @@ struct Threshold {
   double limit = 0.0;
 };
 
+/// What a threshold may be of: "rmse", "psnr", "de2000.max", ….
 std::vector<std::string> diff_metric_names();
 
 /// Errors: a usage Error that lists the metrics.

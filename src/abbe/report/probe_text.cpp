@@ -13,10 +13,10 @@ namespace abbe {
 namespace {
 
 /// Levels that are shown by indentation.
-constexpr int kMostIndents = 8;
+constexpr int kMaxIndents = 8;
 
 std::string indent(int depth) {
-  return std::string(2 * std::min(depth, kMostIndents), ' ');
+  return std::string(2 * std::min(depth, kMaxIndents), ' ');
 }
 
 std::vector<const ProbeLane*> shown_lanes(const ProbeNode& node, bool all) {
@@ -110,7 +110,7 @@ struct Printer {
       return;
     }
     const std::string margin = indent(node.depth);
-    const std::string level = node.depth > kMostIndents ? fmt::format("[{}] ", node.depth) : "";
+    const std::string level = node.depth > kMaxIndents ? fmt::format("[{}] ", node.depth) : "";
     out += margin + level + heading(node) + "\n";
     append_lanes(node, view, margin + "  ", out);
     for (const std::size_t child : node.children) print(child);

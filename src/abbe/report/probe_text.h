@@ -11,6 +11,7 @@
 
 namespace abbe {
 
+/// What of a probe is told.
 struct ProbeView {
   bool all_lanes = false;     ///< Otherwise the first, the middle and the last of each fan.
   double least_weight = 0.0;  ///< Fainter rays are only counted.

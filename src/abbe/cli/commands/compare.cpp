@@ -190,7 +190,7 @@ void write_report(const CompareArguments& arguments, const CompareResult& result
   const auto pictures =
       write_pictures(arguments.display.options, arguments.display.raster, folder, result);
   write_text(folder / "stats.json", compare_stats(result));
-  write_text(folder / "index.html", compare_page(result, pictures, observer, kMostPageBytes));
+  write_text(folder / "index.html", compare_page(result, pictures, observer, kMaxPageBytes));
 }
 
 ExitCode run_compare(CompareArguments& arguments) {

@@ -43,13 +43,13 @@ void shorten_channels(Description& image) {
 }
 
 void shorten_notes(Description& scene) {
-  constexpr std::size_t kMostPlaces = 4;
+  constexpr std::size_t kMaxPlaces = 4;
   for (Description& note : scene["notes"]) {
     Description& places = note["where"];
     const std::size_t count = places.size();
-    if (count <= kMostPlaces) continue;
-    places.erase(places.begin() + kMostPlaces, places.end());
-    places.push_back("and " + std::to_string(count - kMostPlaces) + " more");
+    if (count <= kMaxPlaces) continue;
+    places.erase(places.begin() + kMaxPlaces, places.end());
+    places.push_back("and " + std::to_string(count - kMaxPlaces) + " more");
   }
 }
 

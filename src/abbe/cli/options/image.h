@@ -23,6 +23,7 @@ struct DisplayArguments {
   RasterOptions raster;
 };
 
+/// --config, --display, --view, --exposure, --bits and --dither.
 void add_display_options(CLI::App& command, DisplayArguments& arguments);
 
 /// Turns texts into options. Errors: a usage Error.

@@ -20,6 +20,7 @@ struct SceneOptions {
   RenderSettings settings;  ///< The numbers; complete after resolve_settings.
 };
 
+/// The scene's file, and everything of add_view_options.
 void add_scene_options(CLI::App& command, SceneOptions& options);
 /// The same without the scene's file.
 void add_view_options(CLI::App& command, SceneOptions& options);

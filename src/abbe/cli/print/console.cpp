@@ -13,7 +13,7 @@ namespace abbe {
 namespace {
 
 /// Notes shown before the rest is only counted.
-constexpr std::size_t kMostNotes = 20;
+constexpr std::size_t kMaxNotes = 20;
 
 void print_line(const std::string& text) {
   const std::string line = printable(text) + "\n";
@@ -47,7 +47,7 @@ void Console::show(const Notes& notes) const {
     }
   }
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    if (i == kMostNotes) {
+    if (i == kMaxNotes) {
       print_line(fmt::format("abbe: {} more notes; `abbe inspect` lists all", groups.size() - i));
       return;
     }

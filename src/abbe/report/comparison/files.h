@@ -13,7 +13,7 @@
 namespace abbe {
 
 /// Most bytes of the page; its parts are made smaller until it fits.
-inline constexpr std::size_t kMostPageBytes = 7'900'000;
+inline constexpr std::size_t kMaxPageBytes = 7'900'000;
 
 /// What renders took, by file, as an earlier stats.json says; empty without one.
 std::map<std::string, double> earlier_seconds(const std::filesystem::path& stats_file);

@@ -11,7 +11,7 @@ namespace abbe {
 namespace {
 
 // More numbers than this are a thicket.
-constexpr std::size_t kMostCrossings = 14;
+constexpr std::size_t kMaxCrossings = 14;
 constexpr const char* kWhiteLight = "#6a6a6a";
 
 const ProbeLane& middle_of(const ProbeNode& node) {
@@ -133,9 +133,9 @@ class FigureMaker {
       if (before != nullptr) {
         ray.from = before->position;
       } else {
-        const double way = glm::length(lane.position - eye_);
-        ray.from =
-            node.is_hit ? lane.position - std::min(way, size_m_) * lane.direction : lane.position;
+        const double distance = glm::length(lane.position - eye_);
+        ray.from = node.is_hit ? lane.position - std::min(distance, size_m_) * lane.direction
+                               : lane.position;
       }
       if (is_far(node)) ray.to = ray.from + size_m_ * lane.direction;
       // One lane alone has a colour, too.
@@ -162,7 +162,7 @@ class FigureMaker {
     }
     std::stable_sort(hits.begin(), hits.end(),
                      [](const ProbeNode* a, const ProbeNode* b) { return a->weight > b->weight; });
-    if (hits.size() > kMostCrossings) hits.resize(kMostCrossings);
+    if (hits.size() > kMaxCrossings) hits.resize(kMaxCrossings);
     // In the order in which light from the eye would come by.
     std::stable_sort(hits.begin(), hits.end(),
                      [](const ProbeNode* a, const ProbeNode* b) { return a->depth < b->depth; });

@@ -11,6 +11,7 @@
 
 namespace abbe {
 
+/// What of a probe is drawn.
 struct FigureView {
   std::string title;
   double least_weight = 0.0;  ///< Fainter rays are left out.

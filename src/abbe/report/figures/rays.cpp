@@ -12,7 +12,7 @@
 namespace abbe {
 namespace {
 
-constexpr double kWidth_px = 820.0, kMostHeight_px = 560.0, kLeastHeight_px = 200.0;
+constexpr double kWidth_px = 820.0, kMaxHeight_px = 560.0, kLeastHeight_px = 200.0;
 constexpr double kMargin_px = 28.0, kArc_px = 30.0, kNormal_px = 62.0, kRow_px = 20.0;
 constexpr double kLetter_px = 6.3;
 constexpr const char* kInk = "#222222";
@@ -38,9 +38,9 @@ class Drawing {
       box.add(plane_.project(crossing.place));
     }
     const Vec2d size = glm::max(box.high - box.low, Vec2d(1e-12));
-    const Vec2d room(kWidth_px - 2.0 * kMargin_px, kMostHeight_px - 2.0 * kMargin_px);
+    const Vec2d room(kWidth_px - 2.0 * kMargin_px, kMaxHeight_px - 2.0 * kMargin_px);
     scale_ = std::min(room.x / size.x, room.y / size.y);
-    height_px_ = std::clamp(size.y * scale_ + 2.0 * kMargin_px, kLeastHeight_px, kMostHeight_px);
+    height_px_ = std::clamp(size.y * scale_ + 2.0 * kMargin_px, kLeastHeight_px, kMaxHeight_px);
     middle_ = 0.5 * (box.low + box.high);
     top_px_ = 44.0 + 18.0 * static_cast<double>(figure.notes.size());
     draw_outlines(world);
@@ -109,11 +109,11 @@ class Drawing {
         "<path d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}\" stroke=\"{}\" stroke-width=\"{:.1f}\"{}/>\n",
         from.x, from.y, to.x, to.y, ray.color, ray.width_px,
         ray.opacity < 0.995 ? fmt::format(" opacity=\"{:.2f}\"", ray.opacity) : "");
-    const Vec2d way = to - from;
-    const double length = glm::length(way);
+    const Vec2d along = to - from;
+    const double length = glm::length(along);
     if (!ray.has_arrow || length < 12.0) return;
-    const Vec2d u = way / length, v(-u.y, u.x);
-    const Vec2d tip = from + 0.56 * way, back = tip - 9.0 * u;
+    const Vec2d u = along / length, v(-u.y, u.x);
+    const Vec2d tip = from + 0.56 * along, back = tip - 9.0 * u;
     lines_ += fmt::format("<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}L{:.1f} {:.1f}Z\" fill=\"{}\"/>\n",
                           tip.x, tip.y, back.x + 3.6 * v.x, back.y + 3.6 * v.y, back.x - 3.6 * v.x,
                           back.y - 3.6 * v.y, ray.color);

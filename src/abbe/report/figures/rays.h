@@ -41,6 +41,7 @@ struct FigurePlane {
   Vec2d project(const Vec3d& p) const { return {glm::dot(right, p), glm::dot(up, p)}; }
 };
 
+/// A drawing of rays, as values.
 struct RayFigure {
   std::string title;
   std::vector<std::string> notes;  ///< Lines below the title.

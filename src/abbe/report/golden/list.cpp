@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint64_t kMostListBytes = 16u << 20;
+constexpr std::uint64_t kMaxListBytes = 16u << 20;
 
 std::string text_field(const Json& entry, const char* name, const std::string& where) {
   const auto found = entry.find(name);
@@ -65,7 +65,7 @@ bool is_golden_name(const std::string& name) {
 
 std::vector<GoldenImage> read_golden_list(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / kGoldenList;
-  const std::vector<std::uint8_t> bytes = read_file(file, file.string(), kMostListBytes);
+  const std::vector<std::uint8_t> bytes = read_file(file, file.string(), kMaxListBytes);
   const Json list = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
   const auto entries = list.is_object() ? list.find("images") : list.end();
   if (!list.is_object() || entries == list.end() || !entries->is_array()) {

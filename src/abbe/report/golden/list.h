@@ -29,6 +29,7 @@ void write_golden_list(const std::filesystem::path& folder, const std::vector<Go
 /// Letters, digits, `_`, `-` and `.`, not first: safe as the name of a file.
 bool is_golden_name(const std::string& name);
 
+/// What came of the check of one image.
 struct GoldenResult {
   std::string name;
   bool passed = false;

@@ -16,6 +16,7 @@ namespace abbe {
 /// Players that are switched on, a bit for each.
 using Coalition = std::uint32_t;
 
+/// From which coalitions shares are made.
 enum class AttributionMethod {
   /// From each cause alone and all causes but each: the mean of its first and its last effect. That
   /// is the Shapley value where causes act on each other in pairs, and in any game of up to two

@@ -37,7 +37,7 @@ double Causes::mean_whole() const {
   return map_statistics(whole).mean;
 }
 
-int most_frozen_wavelengths(const Scene& scene, const Spectrum& d65) {
+int max_frozen_wavelengths(const Scene& scene, const Spectrum& d65) {
   std::set<double> lines_nm;
   for (const Spectrum& lamp : lamp_spectra(scene, d65)) {
     for (const SpectralLine& line : lamp.lines()) lines_nm.insert(line.wavelength_nm);

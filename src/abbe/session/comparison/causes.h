@@ -31,7 +31,7 @@ inline constexpr double kLeastDeltaE = 1.0;
 
 /// Wavelengths that a render with frozen causes can have at most: each takes three lanes, and so
 /// does each line of the scene's lamps.
-int most_frozen_wavelengths(const Scene& scene, const Spectrum& d65);
+int max_frozen_wavelengths(const Scene& scene, const Spectrum& d65);
 
 /// Renders what is needed into causes/ of the study. Nothing when interrupted.
 std::optional<Causes> find_causes(Study& study, const std::vector<Cause>& acting,

@@ -72,8 +72,7 @@ std::optional<ModesCompared> compare_modes(Study& study, const ModesPlan& plan) 
         mode, mode_difference(result.modes.at(mode).image, spectral, result.exposure_ev));
   }
   RenderSettings frozen = plan.settings;
-  frozen.wavelengths.count =
-      std::min(frozen.wavelengths.count, most_frozen_wavelengths(scene, d65));
+  frozen.wavelengths.count = std::min(frozen.wavelengths.count, max_frozen_wavelengths(scene, d65));
   std::optional<Causes> causes =
       find_causes(study, acting, plan.method, frozen, result.modes.at("rgb").image,
                   result.differences.at("rgb"), result.exposure_ev);

@@ -28,6 +28,7 @@ struct SweepRun {
   double rmse = 0.0;
   double seconds = 0.0;
 };
+/// A sweep, run.
 struct Sweep {
   std::string parameter;
   int finest = 0;

@@ -29,7 +29,7 @@ help: ## Lists the targets.
 
 prism: build ## Renders the glass prism to out/prism.exr and out/prism.png.
 	@mkdir -p out
-	$(BUILD)/bin/abbe render scenes/prism/prism.gltf --size 1280x720 --bands 380:780:20 --caustics off \
+	$(BUILD)/bin/abbe render scenes/prism/prism.gltf --size 1280x720 --bands 380:780:20 \
 	  --view "Spectral Hue - SDR Video" -o out/prism.exr -o out/prism.png
 	@echo
 	@echo "The prism, scene-linear with spectral bands: $(CURDIR)/out/prism.exr"

@@ -162,7 +162,7 @@ double chi_square(const Number& a, const Number& b, std::uint32_t index_a, std::
 }
 
 // With 15 degrees of freedom, independent numbers exceed 60 once in 4 million.
-constexpr double kMostChiSquare = 60.0;
+constexpr double kMaxChiSquare = 60.0;
 
 TEST(Random, numbers_of_different_purposes_paths_and_items_are_independent) {
   std::vector<Number> numbers = all_numbers();
@@ -171,7 +171,7 @@ TEST(Random, numbers_of_different_purposes_paths_and_items_are_independent) {
   for (std::size_t a = 0; a < numbers.size(); ++a) {
     for (const std::size_t further : {3u, 4u, 7u, 30u}) {
       const Number& b = numbers[(a + further) % numbers.size()];
-      EXPECT_LT(chi_square(numbers[a], b, 5, 5), kMostChiSquare)
+      EXPECT_LT(chi_square(numbers[a], b, 5, 5), kMaxChiSquare)
           << numbers[a].name << ", " << b.name;
     }
   }
@@ -185,7 +185,7 @@ TEST(Random, axes_of_a_point_are_independent) {
                         return random_2d(sample, path, static_cast<Purpose>(p))[i];
                       }};
       };
-      EXPECT_LT(chi_square(axis(0), axis(1), 5, 5), kMostChiSquare) << p;
+      EXPECT_LT(chi_square(axis(0), axis(1), 5, 5), kMaxChiSquare) << p;
     }
   }
 }
@@ -195,7 +195,7 @@ TEST(Random, pixels_are_independent_of_their_neighbours) {
   numbers.erase(numbers.begin());
   for (const Number& number : numbers) {
     for (const Vec2i& apart : {Vec2i(1, 0), Vec2i(0, 1), Vec2i(1, 1), Vec2i(-1, 2)}) {
-      EXPECT_LT(chi_square(number, number, 3, 3, apart), kMostChiSquare) << number.name;
+      EXPECT_LT(chi_square(number, number, 3, 3, apart), kMaxChiSquare) << number.name;
     }
   }
 }

@@ -202,26 +202,26 @@ class Placer {
 
   // Instances multiply what one mesh costs: a small file must not describe an endless scene.
   void count(const Converted& source, const std::string& pointer) {
-    constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 28;
-    constexpr std::uint64_t kMostInstances = std::uint64_t{1} << 22;
-    constexpr std::uint64_t kMostPlanes = std::uint64_t{1} << 20;
+    constexpr std::uint64_t kMaxTriangles = std::uint64_t{1} << 28;
+    constexpr std::uint64_t kMaxInstances = std::uint64_t{1} << 22;
+    constexpr std::uint64_t kMaxPlanes = std::uint64_t{1} << 20;
     if (source.shape) {
       const auto* body = std::get_if<ConvexShape>(&source.shape->geometry);
       placed_planes_ += body == nullptr ? 0 : body->planes.size();
-      if (placed_planes_ > kMostPlanes) {
+      if (placed_planes_ > kMaxPlanes) {
         throw_input_error(document_.where(pointer), "more planes of convex bodies",
-                          fmt::format("at most {}", kMostPlanes));
+                          fmt::format("at most {}", kMaxPlanes));
       }
     }
     placed_triangles_ += source.triangles;
-    if (placed_triangles_ > kMostTriangles) {
+    if (placed_triangles_ > kMaxTriangles) {
       throw_input_error(document_.where(pointer),
                         fmt::format("{} triangles in the scene", placed_triangles_),
-                        fmt::format("at most {}", kMostTriangles));
+                        fmt::format("at most {}", kMaxTriangles));
     }
-    if (scene_.instances.size() + source.meshes.size() + 1 > kMostInstances) {
+    if (scene_.instances.size() + source.meshes.size() + 1 > kMaxInstances) {
       throw_input_error(document_.where(pointer), "more instances",
-                        fmt::format("at most {}", kMostInstances));
+                        fmt::format("at most {}", kMaxInstances));
     }
   }
 

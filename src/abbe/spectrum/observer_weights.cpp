@@ -10,21 +10,21 @@
 namespace abbe {
 namespace {
 
-constexpr std::size_t kMostLamps = WavelengthQuadrature::kMostExactLamps;
-using Row = std::array<double, kMostLamps + 1>;
+constexpr std::size_t kMaxLamps = WavelengthQuadrature::kMaxExactLamps;
+using Row = std::array<double, kMaxLamps + 1>;
 
 // Solves the positive definite system of `size` equations, the right-hand side in the last place of
 // each row, by elimination; the solution is left there.
-void solve(std::array<Row, kMostLamps>& rows, std::size_t size) {
+void solve(std::array<Row, kMaxLamps>& rows, std::size_t size) {
   for (std::size_t column = 0; column < size; ++column) {
     for (std::size_t row = 0; row < size; ++row) {
       if (row == column) continue;
       const double factor = rows[row][column] / rows[column][column];
       for (std::size_t k = column; k < size; ++k) rows[row][k] -= factor * rows[column][k];
-      rows[row][kMostLamps] -= factor * rows[column][kMostLamps];
+      rows[row][kMaxLamps] -= factor * rows[column][kMaxLamps];
     }
   }
-  for (std::size_t row = 0; row < size; ++row) rows[row][kMostLamps] /= rows[row][row];
+  for (std::size_t row = 0; row < size; ++row) rows[row][kMaxLamps] /= rows[row][row];
 }
 
 // Factors by which the weights of one set and channel are corrected, close to 1.
@@ -39,11 +39,11 @@ std::vector<double> corrections(const std::vector<double>& weights,
                                 const std::vector<double>& mix, const std::vector<double>& exact) {
   constexpr double kRegularisation = 1e-7;
   const std::size_t count = lamps.size();
-  std::array<Row, kMostLamps> rows{};
+  std::array<Row, kMaxLamps> rows{};
   for (std::size_t j = 0; j < count; ++j) {
-    rows[j][kMostLamps] = exact[j];
+    rows[j][kMaxLamps] = exact[j];
     for (std::size_t lane = 0; lane < mix.size(); ++lane) {
-      rows[j][kMostLamps] -= weights[lane] * lamps[j][lane];
+      rows[j][kMaxLamps] -= weights[lane] * lamps[j][lane];
       if (!(mix[lane] > 0.0)) continue;
       for (std::size_t k = 0; k < count; ++k) {
         rows[j][k] += weights[lane] * lamps[j][lane] * lamps[k][lane] / mix[lane];
@@ -59,7 +59,7 @@ std::vector<double> corrections(const std::vector<double>& weights,
   for (std::size_t lane = 0; lane < mix.size(); ++lane) {
     if (!(mix[lane] > 0.0)) continue;
     for (std::size_t j = 0; j < count; ++j) {
-      factors[lane] += rows[j][kMostLamps] * lamps[j][lane] / mix[lane];
+      factors[lane] += rows[j][kMaxLamps] * lamps[j][lane] / mix[lane];
     }
   }
   return factors;

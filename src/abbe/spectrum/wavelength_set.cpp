@@ -102,7 +102,7 @@ std::vector<Spectrum> lamps_to_be_exact(std::span<const Spectrum> lamps, const S
     if (seen > 0.0 && !lamp.is_lines_only()) result.push_back(lamp.scaled(1.0 / seen));
   }
   const std::size_t room = std::clamp<std::size_t>(static_cast<std::size_t>(lanes) / 4, 1,
-                                                   WavelengthQuadrature::kMostExactLamps);
+                                                   WavelengthQuadrature::kMaxExactLamps);
   if (result.empty() || result.size() > room) {
     result.resize(result.empty() ? 0 : room - 1);
     result.push_back(mix);

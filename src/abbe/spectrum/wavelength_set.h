@@ -36,7 +36,7 @@ struct WavelengthOptions {
 class WavelengthQuadrature {
  public:
   static constexpr int kShiftCount = 256;
-  static constexpr std::size_t kMostExactLamps = 4;
+  static constexpr std::size_t kMaxExactLamps = 4;
 
   /// `lamps` are the emission spectra of the scene, in any scale: each counts by its own luminance.
   WavelengthQuadrature(const WavelengthOptions& options, const Observer& observer,

@@ -30,10 +30,10 @@ namespace {
 
 constexpr int kLongestSide_px = 65536;
 constexpr int kLongestTileSide_px = 4096;
-constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
-constexpr std::int64_t kMostValues = std::int64_t{1} << 31;
-constexpr std::size_t kMostChannels = 4096;
-constexpr int kMostParts = 256;
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
+constexpr std::int64_t kMaxValues = std::int64_t{1} << 31;
+constexpr std::size_t kMaxChannels = 4096;
+constexpr int kMaxParts = 256;
 constexpr std::uint64_t kLongestManifest = 64u << 20;
 constexpr int kFarthestOrigin_px = 1 << 24;
 
@@ -92,7 +92,7 @@ void check_structure(const std::filesystem::path& file, std::ifstream& stream,
   skip_header();
   if ((version & kMultiPartFlag) != 0) {
     for (int parts = 1; skip_header(); ++parts) {
-      if (parts == kMostParts) reject(file, "an EXR of more than 256 parts", "at most 256");
+      if (parts == kMaxParts) reject(file, "an EXR of more than 256 parts", "at most 256");
     }
   }
   stream.clear();
@@ -141,7 +141,7 @@ ExrHeader windows_of(const std::filesystem::path& file, const Imf::Header& heade
   const std::int64_t width = extent(data.min.x, data.max.x);
   const std::int64_t height = extent(data.min.y, data.max.y);
   if (width < 1 || height < 1 || width > kLongestSide_px || height > kLongestSide_px ||
-      width * height > kMostPixels) {
+      width * height > kMaxPixels) {
     reject(file, std::to_string(width) + "x" + std::to_string(height) + " pixels",
            "sides of 1 to 65536 and at most 2^28 pixels");
   }
@@ -227,7 +227,7 @@ void add_channels(const std::filesystem::path& file, const Imf::Header& header, 
     }
     if (taken.contains(name)) reject(file, "channel " + name + " twice", "every channel once");
     sources.push_back({{name, type_name(it.channel().type)}, part, it.name()});
-    if (sources.size() > kMostChannels) reject(file, "more than 4096 channels", "at most 4096");
+    if (sources.size() > kMaxChannels) reject(file, "more than 4096 channels", "at most 4096");
   }
 }
 
@@ -247,7 +247,7 @@ ExrHeader understood(const std::filesystem::path& file, const Imf::MultiPartInpu
   }
   if (sources.empty()) reject(file, "an EXR without channels", "at least one channel");
   if (std::int64_t{result.width} * result.height * static_cast<std::int64_t>(sources.size()) >
-      kMostValues) {
+      kMaxValues) {
     reject(file, "more than 2^31 values", "at most 2^31 values, pixels times channels");
   }
   std::sort(sources.begin(), sources.end(), [](const Source& a, const Source& b) {

@@ -10,8 +10,8 @@
 namespace abbe {
 namespace {
 
-constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
-constexpr std::int64_t kMostValues = std::int64_t{1} << 31;
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
+constexpr std::int64_t kMaxValues = std::int64_t{1} << 31;
 
 // Libraries report several lines; the first says what happened.
 std::string first_line(const std::string& text) {
@@ -21,7 +21,7 @@ std::string first_line(const std::string& text) {
 bool is_bounded(const OIIO::ImageSpec& spec) {
   const std::int64_t pixels = std::int64_t{spec.width} * spec.height;
   return spec.width > 0 && spec.height > 0 && spec.depth <= 1 && spec.nchannels > 0 &&
-         pixels <= kMostPixels && pixels * spec.nchannels <= kMostValues;
+         pixels <= kMaxPixels && pixels * spec.nchannels <= kMaxValues;
 }
 
 std::string size_of(const OIIO::ImageSpec& spec) {

@@ -74,8 +74,8 @@ std::string png_error(Bytes bytes) {
     if (type == "IEND") {
       if (data_bytes == 0) return "a PNG without image data";
       // A match of deflate costs two bits at least and yields 258 bytes at most.
-      constexpr std::uint64_t kMostPerByte = 1032;
-      if (header.raw_bytes > data_bytes * kMostPerByte) {
+      constexpr std::uint64_t kMaxPerByte = 1032;
+      if (header.raw_bytes > data_bytes * kMaxPerByte) {
         return "a PNG of " + header.size() + " pixels with too little image data";
       }
       return "";
@@ -89,8 +89,8 @@ std::string jpeg_error(Bytes bytes) {
   constexpr std::uint8_t kStartOfScan = 0xda;
   constexpr std::array<std::uint8_t, 2> kEndOfImage{0xff, 0xd9};
   // With Huffman coding a block of 64 values takes a bit at least; twice that is let through.
-  constexpr std::uint64_t kMostPixelsPerByte = 1024;
-  const std::uint64_t most_pixels = bytes.size() * kMostPixelsPerByte;
+  constexpr std::uint64_t kMaxPixelsPerByte = 1024;
+  const std::uint64_t most_pixels = bytes.size() * kMaxPixelsPerByte;
   bytes = bytes.subspan(2);
   while (bytes.size() >= 4 && bytes[0] == 0xff) {
     const std::uint8_t marker = bytes[1];

@@ -121,10 +121,10 @@ Spectrum Spectra::read_lines(const Json& lines, const std::string& pointer) {
   if (!lines.is_array() || lines.empty()) {
     throw_input_error(document_.where(pointer), describe(lines), "[[nm, strength], ...]");
   }
-  constexpr std::size_t kMostLines = 64;  // Each takes a wavelength lane of its own.
-  if (lines.size() > kMostLines) {
+  constexpr std::size_t kMaxLines = 64;  // Each takes a wavelength lane of its own.
+  if (lines.size() > kMaxLines) {
     throw_input_error(document_.where(pointer), fmt::format("{} lines", lines.size()),
-                      fmt::format("at most {}", kMostLines));
+                      fmt::format("at most {}", kMaxLines));
   }
   std::vector<SpectralLine> result;
   for (std::size_t i = 0; i < lines.size(); ++i) {

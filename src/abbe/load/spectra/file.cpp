@@ -18,7 +18,7 @@ namespace abbe {
 namespace {
 
 constexpr std::uint64_t kLargestFile = 16u << 20;
-constexpr std::size_t kMostRows = 100'000;
+constexpr std::size_t kMaxRows = 100'000;
 constexpr const char* kSignature = "abbe-spectrum 1";
 
 const std::vector<std::string>& known_keys() {
@@ -144,8 +144,8 @@ class Parser {
       fail(line, fmt::format("{} numbers", words.size()),
            fmt::format("{}, one for each column", columns_.size()));
     }
-    if (row_lines_.size() == kMostRows) {
-      fail(line, "another row", fmt::format("at most {}", kMostRows));
+    if (row_lines_.size() == kMaxRows) {
+      fail(line, "another row", fmt::format("at most {}", kMaxRows));
     }
     for (std::size_t i = 0; i < words.size(); ++i) table_[i].push_back(number(line, words[i]));
     row_lines_.push_back(line);

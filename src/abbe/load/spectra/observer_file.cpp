@@ -19,7 +19,7 @@ namespace abbe {
 namespace {
 
 constexpr std::uint64_t kLargestFile = 4u << 20;
-constexpr std::size_t kMostRows = 100'000;
+constexpr std::size_t kMaxRows = 100'000;
 
 std::vector<std::string_view> fields_of(std::string_view line) {
   constexpr std::string_view kBlank = " \t\"";
@@ -107,7 +107,7 @@ Observer read_observer_csv(const std::filesystem::path& file, const Observer& ph
     if (!nm.empty() && row[0] <= nm.back()) {
       fail(fmt::format("{} nm after {} nm", row[0], nm.back()), "rising wavelengths");
     }
-    if (nm.size() == kMostRows) fail("another row", fmt::format("at most {}", kMostRows));
+    if (nm.size() == kMaxRows) fail("another row", fmt::format("at most {}", kMaxRows));
     nm.push_back(row[0]);
     for (std::size_t c = 0; c < 3; ++c) values[c].push_back(row[c + 1]);
   }

@@ -131,8 +131,8 @@ struct BeamMaker {
       longest = std::max({longest, std::abs(directions.low[k]), std::abs(directions.high[k])});
     }
     for (int k = 0; k < 3; ++k) {
-      set_beam_axis(beam, k, origins.low[k], origins.high[k], directions.low[k], directions.high[k],
-                    reach, longest);
+      set_beam_axis(beam, k, {origins.low[k], origins.high[k]},
+                    {directions.low[k], directions.high[k]}, reach, longest);
     }
     clip_beam(beam, bounds, t_max);
     return reach;

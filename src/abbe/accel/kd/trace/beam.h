@@ -28,20 +28,23 @@ struct alignas(32) Beam {
 
 inline constexpr float kBeamSlack = 0x1p-21f;
 
-/// One axis of a beam: origins and directions between the given bounds; `reach` is the largest
-/// distance along any axis from an origin to the scene, `longest` the largest direction component.
-inline void set_beam_axis(Beam& beam, int axis, float origin_low, float origin_high,
-                          float direction_low, float direction_high, float reach, float longest) {
+struct Interval {
+  float low, high;
+};
+
+/// One axis of a beam: origins and directions within bounds; `reach` is the largest distance along
+/// any axis from an origin to the scene, `longest` the largest direction component.
+inline void set_beam_axis(Beam& beam, int axis, const Interval& origin, const Interval& direction,
+                          float reach, float longest) {
   // A component this small moves the ray by less than the slack; it must only not be zero.
   const float tiny = std::max(longest * 1e-18f, 1e-37f);
-  float low = direction_low;
-  float high = direction_high;
+  auto [low, high] = direction;
   if (std::abs(low) < tiny) low = -tiny;
   if (std::abs(high) < tiny) high = tiny;
-  const float ulp = 0x1p-23f * std::max(std::abs(origin_low), std::abs(origin_high));
+  const float ulp = 0x1p-23f * std::max(std::abs(origin.low), std::abs(origin.high));
   const float width = std::max(reach * kBeamSlack, ulp);
-  beam.origin[axis] = origin_low - width;
-  beam.origin[4 + axis] = origin_high + width;
+  beam.origin[axis] = origin.low - width;
+  beam.origin[4 + axis] = origin.high + width;
   beam.reciprocal[axis] = (1.0f / low) * (low > 0.0f ? 1.0f + kBeamSlack : 1.0f - kBeamSlack);
   beam.reciprocal[4 + axis] = (1.0f / high) * (high < 0.0f ? 1.0f + kBeamSlack : 1.0f - kBeamSlack);
 }
@@ -82,8 +85,8 @@ inline Beam make_beam(const Ray& ray, const Box3f& bounds) {
   const float longest =
       std::max({std::abs(ray.direction.x), std::abs(ray.direction.y), std::abs(ray.direction.z)});
   for (int k = 0; k < 3; ++k) {
-    set_beam_axis(beam, k, ray.origin[k], ray.origin[k], ray.direction[k], ray.direction[k], reach,
-                  longest);
+    set_beam_axis(beam, k, {ray.origin[k], ray.origin[k]}, {ray.direction[k], ray.direction[k]},
+                  reach, longest);
   }
   clip_beam(beam, bounds, ray.t_max);
   return beam;

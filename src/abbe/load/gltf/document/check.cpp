@@ -115,7 +115,7 @@ class Checker {
     const auto range = [&rule]() -> std::string {
       if (rule.low == rule.high) return fmt::format(" {}", rule.low);
       if (std::isinf(rule.low) && std::isinf(rule.high)) return "";
-      if (rule.high >= kMostElements) return fmt::format(" of at least {}", rule.low);
+      if (rule.high >= kMaxElements) return fmt::format(" of at least {}", rule.low);
       return fmt::format(" from {} to {}", rule.low, rule.high);
     };
     switch (rule.type) {

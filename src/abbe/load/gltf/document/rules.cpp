@@ -8,7 +8,7 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 Rule object(const char* path, bool required = false) {
   return {path, Is::Object, required};
 }
-Rule array(const char* path, double low = 0, double high = kMostElements, bool required = false) {
+Rule array(const char* path, double low = 0, double high = kMaxElements, bool required = false) {
   return {path, Is::Array, required, low, high};
 }
 Rule number(const char* path, double low = -kInf, double high = kInf) {
@@ -118,7 +118,7 @@ const std::vector<Rule>& structure_rules() {
 
       array("/meshes"),
       object("/meshes/*"),
-      array("/meshes/*/primitives", 1, kMostElements, true),
+      array("/meshes/*/primitives", 1, kMaxElements, true),
       object("/meshes/*/primitives/*"),
       object("/meshes/*/primitives/*/attributes", true),
       index("/meshes/*/primitives/*/attributes/*", "/accessors"),

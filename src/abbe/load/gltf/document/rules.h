@@ -29,7 +29,7 @@ struct Rule {
 };
 
 /// Elements of an array, at most.
-inline constexpr double kMostElements = 4294967296.0;
+inline constexpr double kMaxElements = 4294967296.0;
 /// Integers up to here are exact in double precision: 2^53.
 inline constexpr double kLargestInteger = 9007199254740992.0;
 

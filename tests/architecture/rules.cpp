@@ -190,6 +190,19 @@ std::vector<std::string> part_violations(const std::map<std::string, std::string
   return violations;
 }
 
+std::vector<std::string> crowd_violations(const std::map<std::string, std::string>& texts) {
+  constexpr int kMaxFiles = 20;
+  std::map<std::string, int> files;
+  for (const auto& [path, text] : texts) ++files[folder_of(path)];
+  std::vector<std::string> violations;
+  for (const auto& [folder, count] : files)
+    if (count > kMaxFiles)
+      violations.push_back(folder + ": " + std::to_string(count) +
+                           " source files, expected at most " + std::to_string(kMaxFiles) +
+                           " side by side; what belongs together is a part");
+  return violations;
+}
+
 std::vector<std::string> link_violations(const std::string& path, const std::string& text) {
   static const std::regex kModule(R"(abbe_module\(\s*(\w+)([^)]*)\))");
   static const std::regex kWord(R"([^\s]+)");

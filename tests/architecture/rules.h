@@ -27,6 +27,9 @@ std::vector<std::string> leak_violations(const std::map<std::string, std::string
 /// without folders in it; a file beside folders stands for itself. `texts` as above.
 std::vector<std::string> part_violations(const std::map<std::string, std::string>& texts);
 
+/// Folders of src/abbe/ that hold more source files side by side than anybody finds his way in.
+std::vector<std::string> crowd_violations(const std::map<std::string, std::string>& texts);
+
 /// What is wrong with the DEPENDS of a module's CMakeLists.txt: the same edges, at link time.
 std::vector<std::string> link_violations(const std::string& path, const std::string& text);
 

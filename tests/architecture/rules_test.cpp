@@ -59,6 +59,14 @@ TEST(Rules, parts_that_include_each_other_fail) {
                                           "accel/kd/tree.h:2 includes accel/leaf/solids.h")));
 }
 
+TEST(Rules, folder_of_too_many_files_fails) {
+  std::map<std::string, std::string> texts;
+  for (int i = 0; i < 20; ++i) texts["accel/kd_" + std::to_string(i) + ".h"];
+  EXPECT_THAT(crowd_violations(texts), IsEmpty());
+  texts["accel/kd_20.cpp"];
+  EXPECT_THAT(crowd_violations(texts), ElementsAre(HasSubstr("accel: 21 source files")));
+}
+
 TEST(Rules, file_of_an_unknown_module_fails) {
   EXPECT_THAT(include_violations("utils/strings.cpp", ""),
               ElementsAre(HasSubstr("src/abbe/utils is no module")));

@@ -66,14 +66,30 @@ std::string one_per_line(const std::vector<std::string>& lines) {
   return text;
 }
 
-TEST(Tree, includes_point_down_and_third_parties_stay_behind_their_rim) {
+/// All sources by path, relative to src/abbe/.
+std::map<std::string, std::string> sources() {
   std::map<std::string, std::string> texts;
   for (const std::string& file : files_below("src/abbe"))
     if (file.ends_with(".h") || file.ends_with(".cpp"))
       texts[fs::path(file).lexically_relative("src/abbe").string()] = read_text(kRoot / file);
+  return texts;
+}
+
+TEST(Tree, includes_point_down_and_third_parties_stay_behind_their_rim) {
+  const std::map<std::string, std::string> texts = sources();
   ASSERT_FALSE(texts.empty());
   std::vector<std::string> violations = leak_violations(texts);
   for (const auto& [path, text] : texts) append(violations, include_violations(path, text));
+  EXPECT_THAT(violations, IsEmpty()) << one_per_line(violations);
+}
+
+TEST(Tree, parts_of_a_module_include_each_other_one_way) {
+  const std::vector<std::string> violations = part_violations(sources());
+  EXPECT_THAT(violations, IsEmpty()) << one_per_line(violations);
+}
+
+TEST(Tree, folders_hold_few_enough_files_to_look_at) {
+  const std::vector<std::string> violations = crowd_violations(sources());
   EXPECT_THAT(violations, IsEmpty()) << one_per_line(violations);
 }
 

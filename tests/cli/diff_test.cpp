@@ -97,9 +97,10 @@ TEST_F(DiffTest, value_that_is_not_finite_is_counted_and_can_fail) {
 }
 
 TEST_F(DiffTest, bands_are_compared_each_and_together) {
+  // A single sample goes through the middle of its pixel whatever the seed.
   for (const char* seed : {"1", "2"}) {
     const Outcome run = abbe({"render", "scene.gltf", "-o", std::string(seed) + ".exr", "--seed",
-                              seed, "--size", "16x12", "--spp", "1", "--bands", "400:700:100"});
+                              seed, "--size", "16x12", "--spp", "2", "--bands", "400:700:100"});
     ASSERT_EQ(run.exit_code, 0) << run.err;
   }
   const auto json = diff({"1.exr", "2.exr", "--fail", "rmse@S0.450,000000nm=1"});

@@ -61,7 +61,8 @@ Vec3f Refracted(const Vec3f& direction, const Vec3f& normal, float eta_ti) {
   const auto cosine = hn::Neg(Dot3(d, i, n));
   auto cos_transmitted = cosine;
   DielectricReflectance(d, cosine, eta, &cos_transmitted);
-  const auto t = Normalized3(d, RefractedDirection(d, i, n, cosine, cos_transmitted, eta));
+  const auto eta_it = hn::Div(hn::Set(d, 1.0f), eta);
+  const auto t = Normalized3(d, RefractedDirection(d, i, n, cosine, cos_transmitted, eta_it));
   return {hn::GetLane(t.x), hn::GetLane(t.y), hn::GetLane(t.z)};
 }
 

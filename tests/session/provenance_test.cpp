@@ -100,7 +100,8 @@ TEST(Recipe, of_lines_has_no_range) {
 
 TEST(Recipe, of_a_file_that_no_render_made_is_absent) {
   EXPECT_FALSE(recipe_of(ExrHeader{}));
-  ExrHeader developed = header_of({});
+  const RenderSettings settings;
+  ExrHeader developed = header_of(settings);
   developed.attributes["abbe:developed"] = std::string("anew");
   EXPECT_FALSE(recipe_of(developed));
 }

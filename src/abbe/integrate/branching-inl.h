@@ -51,7 +51,7 @@ class Branching {
     const float weight = weight_of(passed, samples_[at.fan.sample].set);
     if (ends_here(at.fan, weight)) return;
     add_child(at,
-              {FanOrigin::Passed, at.fan.spread, at.hit.lanes, at.fan.media, at.hit.direction,
+              {FanOrigin::Passed, 0, at.fan.spread, at.hit.lanes, at.fan.media, at.hit.direction,
                passed, weight},
               next);
   }
@@ -79,10 +79,9 @@ class Branching {
     for (std::size_t i = answer.lobe_count; i-- > 0;) {
       const Lobe& lobe = answer.lobes[i];
       if (!(weights[i] > 0.0f)) continue;
-      const Child child{lobe.made_by,   fan.spread || lobe.spreads,
-                        at.hit.lanes,   lobe.media,
-                        lobe.direction, arrived[i],
-                        weights[i]};
+      const Child child{lobe.made_by, lobe.order, fan.spread || lobe.spreads,
+                        at.hit.lanes, lobe.media, lobe.direction,
+                        arrived[i],   weights[i]};
       if (child.spread && settings_.cluster_lanes > 0) {
         add_clusters(at, child, next);
       } else {
@@ -95,6 +94,7 @@ class Branching {
   /// A fan to be made.
   struct Child {
     FanOrigin made_by;
+    std::uint32_t order;
     bool spread;
     LaneMask lanes;
     const MediumStack& media;
@@ -181,7 +181,7 @@ class Branching {
       if (middle < 0) continue;
       Splat(d, stride_, child.direction.get(middle), direction);
       add_child(at,
-                {child.made_by, false, cluster, child.media, direction, throughput,
+                {child.made_by, child.order, false, cluster, child.media, direction, throughput,
                  weight_of(throughput, set)},
                 next);
     }
@@ -195,7 +195,7 @@ class Branching {
       SetLanesFrom(d, hn::Gt(hn::Load(d, child.throughput.v + i), hn::Zero(d)), i, fan.lanes);
     }
     fan.lanes = fan.lanes & child.lanes;
-    fan.path = path_after(parent.path, static_cast<std::uint32_t>(child.made_by));
+    fan.path = path_after(parent.path, static_cast<std::uint32_t>(child.made_by) + 8 * child.order);
     fan.sample = parent.sample;
     fan.weight = child.weight;
     fan.path_length_m = at.path_length_m;

@@ -9,12 +9,14 @@
 
 #include "abbe/caustics/lit_world.h"
 #include "abbe/film/pixel_kernel.h"
+#include "abbe/integrate/fan_origin.h"
 #include "abbe/integrate/record.h"
 #include "abbe/math/random.h"
 #include "abbe/math/ray.h"
 
 namespace abbe {
 
+/// How far fans are followed.
 struct IntegratorSettings {
   int max_depth = 16;    ///< Most surfaces a path may leave.
   float cutoff = 1e-4f;  ///< Weight below which a fan no longer branches, 0 to branch always.
@@ -34,10 +36,10 @@ struct IntegratorSettings {
 inline constexpr std::size_t kBatchFans = 256;
 
 /// Most fans that can wait in a thread's queue while `samples` are traced: a batch of fans has at
-/// most two children for each of its lanes and one more that passes, at every depth.
+/// most a child of every lobe for each of its lanes and one more that passes, at every depth.
 inline std::size_t queue_capacity(const IntegratorSettings& settings, std::size_t samples,
                                   int lane_count) {
-  return samples + static_cast<std::size_t>(settings.max_depth) * kBatchFans * 3u *
+  return samples + static_cast<std::size_t>(settings.max_depth) * kBatchFans * (kMaxLobes + 1) *
                        static_cast<std::size_t>(lane_count);
 }
 

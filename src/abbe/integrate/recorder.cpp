@@ -46,8 +46,9 @@ void FanRecorder::miss(const Fan& fan, const FanList& list, const LaneMask& miss
   records_->push_back(std::move(record));
 }
 
-void FanRecorder::arrive(const Fan& fan, const SurfaceHit& hit, const LaneArray& throughput) {
-  if (records_ == nullptr) return;
+std::uint32_t FanRecorder::arrive(const Fan& fan, const SurfaceHit& hit,
+                                  const LaneArray& throughput) {
+  if (records_ == nullptr) return 0;
   FanRecord& record = records_->emplace_back();
   record.parent = fan.parent_record;
   record.made_by = fan.made_by;
@@ -67,14 +68,16 @@ void FanRecorder::arrive(const Fan& fan, const SurfaceHit& hit, const LaneArray&
     entry.normal = hit.normal.get(lane);
     entry.throughput = throughput[lane];
   }
+  return static_cast<std::uint32_t>(records_->size());
 }
 
-void FanRecorder::shade(const MediumChange& change, const BoundaryRows& rows, const SurfaceHit& hit,
-                        const MaterialLanes& at, const SurfaceAnswer& answer) {
-  if (records_ == nullptr) return;
+void FanRecorder::shade(std::uint32_t record_number, const MediumChange& change,
+                        const BoundaryRows& rows, const SurfaceHit& hit, const MaterialLanes& at,
+                        const SurfaceAnswer& answer) {
+  if (record_number == 0) return;
   const Lobe* reflection = answer.lobe(FanOrigin::Reflected);
   const Lobe* refraction = answer.lobe(FanOrigin::Refracted);
-  for (LaneRecord& entry : records_->back().lanes) {
+  for (LaneRecord& entry : (*records_)[record_number - 1].lanes) {
     const int lane = entry.lane;
     const Vec3f normal = hit.normal.get(lane);
     entry.angle_incident_rad = angle_between(-hit.direction.get(lane), normal);

@@ -18,17 +18,14 @@ class FanRecorder {
               std::vector<FanRecord>* records)
       : world_(world), samples_(samples), records_(records) {}
 
-  bool is_on() const { return records_ != nullptr; }
-  /// 1 + number of the last record, for children to refer to; 0 when nothing is recorded.
-  std::uint32_t last() const { return is_on() ? static_cast<std::uint32_t>(records_->size()) : 0; }
-
   /// Lanes of a fan that left the scene.
   void miss(const Fan& fan, const FanList& list, const LaneMask& missed);
-  /// Lanes that met a surface together, with how they arrived.
-  void arrive(const Fan& fan, const SurfaceHit& hit, const LaneArray& throughput);
-  /// Completes the record that arrive() began with what the surface does.
-  void shade(const MediumChange& change, const BoundaryRows& rows, const SurfaceHit& hit,
-             const MaterialLanes& at, const SurfaceAnswer& answer);
+  /// Lanes that met a surface together, with how they arrived. Returns 1 + the number of the
+  /// record, for children to refer to; 0 when nothing is recorded.
+  std::uint32_t arrive(const Fan& fan, const SurfaceHit& hit, const LaneArray& throughput);
+  /// Completes a record with what the surface does.
+  void shade(std::uint32_t record_number, const MediumChange& change, const BoundaryRows& rows,
+             const SurfaceHit& hit, const MaterialLanes& at, const SurfaceAnswer& answer);
   /// Adds light from lamps to a record. `record` is 1 + its number, or 0.
   void add_direct_light(std::uint32_t record, std::span<const float> light,
                         std::span<const float> visibility);

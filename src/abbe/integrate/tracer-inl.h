@@ -145,9 +145,10 @@ class Tracer {
     });
   }
 
-  // Everything that a surface does to a group of lanes; `throughput` is what arrives of them.
-  void shade(const Fan& fan, const SurfaceHit& hit, LaneArray throughput, FanList& next) {
+  // Everything that a surface does to a group of lanes, of whose throughput this arrives.
+  void shade(const Fan& fan, const SurfaceHit& hit, const LaneArray& arriving, FanList& next) {
     const D d;
+    LaneArray throughput = arriving;
     const CameraSample& sample = samples_[fan.sample];
     const std::uint32_t number = world_.geometry.surfaces[hit.surface].material;
     const SurfaceMaterial& material = world_.materials[number];
@@ -161,8 +162,7 @@ class Tracer {
         MaterialAt(d, world_, hit, sample.footprint_m + sample.footprint_per_m * path_length_m,
                    sample.set, !material.unlit || wants_albedo);
     absorb(fan, change, hit.distance_m, throughput);
-    recorder_.arrive(fan, hit, throughput);
-    const FanAtSurface where{fan, hit, path_length_m, recorder_.last()};
+    const FanAtSurface where{fan, hit, path_length_m, recorder_.arrive(fan, hit, throughput)};
     if (material.alpha_mode != AlphaMode::Opaque) {
       branching_.pass_by(where, at.alpha, throughput, next);
     }
@@ -172,7 +172,7 @@ class Tracer {
     add_local_light(fan, material, at.emission, answer, throughput, hidden);
     if (wants_albedo) keep_albedo(fan, at.base_color);
     if (material.unlit) return;
-    recorder_.shade(change, rows, hit, at, answer);
+    recorder_.shade(where.record_number, change, rows, hit, at, answer);
     if (hidden) return branching_.branch(where, throughput, answer, next);
 
     const bool rough = at.roughness[leader] >= kSmoothRoughness;
@@ -214,12 +214,8 @@ class Tracer {
     const SurfaceMaterial* medium =
         change.arrives_in ? &world_.materials[*change.arrives_in] : nullptr;
     if (medium != nullptr && medium->absorption_per_m) {
-      const float* absorption = world_.row(*medium->absorption_per_m, samples_[fan.sample].set);
-      for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
-        const auto depth = hn::Mul(hn::LoadU(d, absorption + i), hn::Load(d, distance_m.v + i));
-        hn::Store(hn::Mul(hn::Load(d, throughput.v + i), ExpNegative(d, depth)), d,
-                  throughput.v + i);
-      }
+      const float* per_m = world_.row(*medium->absorption_per_m, samples_[fan.sample].set);
+      Attenuate(d, stride_, per_m, distance_m, throughput);
     }
     if (is_in_fog(fan)) {
       Attenuate(d, stride_, world_.fog->extinction_per_m, distance_m, throughput);

@@ -1,10 +1,11 @@
-/// Chance by name: every use of random numbers in a render, and the numbers themselves.
+/// Chance by name: every random number of a render, drawn or reserved for what is to come.
 ///
 /// A number is a function of (sample of its pixel, pixel, path, purpose), never of a thread, a lane
 /// or a number drawn before it. Over the samples of a pixel each is a scrambled (0, 2)-sequence:
 /// every prefix is well stratified, so the number of samples need not be known when the first is
-/// drawn. What an effect to come draws is a new Purpose here; the numbers of all others stay as
-/// they are.
+/// drawn. (Places in the pixel and wavelength shifts are then centred in the finest strata that a
+/// bound of that number fills.) What an effect to come draws is a new Purpose here; the numbers of
+/// all others stay as they are.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +38,8 @@ struct SampleChance {
   std::uint32_t index = 0;  ///< Of the sample within its pixel: 0, 1, 2, …
 };
 
-/// The scramble of a pixel's numbers. Renders with different seeds share nothing.
+/// The scramble of a pixel's numbers. Renders with different seeds share their wavelength shifts,
+/// and of places in the pixel all but the first binary digits.
 std::uint32_t pixel_chance(const Vec2i& pixel, std::uint32_t seed);
 
 /// What has happened to a ray since it left the camera, as a word. Samples of a pixel whose paths

@@ -11,6 +11,7 @@
 
 namespace abbe {
 
+/// The same index at every wavelength.
 struct ConstantIndex {
   double n = 1.5;
 };

@@ -28,18 +28,17 @@ HWY_INLINE Vec3Of<D> ReflectedDirection(D d, const Vec3Of<D>& direction, const V
   return Combine3(d, hn::Set(d, 1.0f), direction, hn::Add(cos_incident, cos_incident), normal);
 }
 
-/// Snell's law: t = d/eta + (cos_i/eta − cos_t)·n, eta = n_transmitted / n_incident, not
-/// normalised. Domain: unit vectors, the normal faces the ray; both cosines in [0, 1] and
-/// cos_transmitted as
-///         DielectricReflectance() gives it. Without a meaning at total internal reflection.
+/// Snell's law: t = eta·d + (eta·cos_i − cos_t)·n, not normalised.
+/// Units:  eta = n_incident / n_transmitted.
+/// Domain: unit vectors, the normal faces the ray; cosines in [0, 1], cos_transmitted that behind
+///         the boundary. Without a meaning at total internal reflection.
 /// Source: Born & Wolf, Principles of Optics, 7th ed., 1.5.1.
 template <class D>
 HWY_INLINE Vec3Of<D> RefractedDirection(D d, const Vec3Of<D>& direction, const Vec3Of<D>& normal,
                                         VecOf<D> cos_incident, VecOf<D> cos_transmitted,
-                                        VecOf<D> eta_ti) {
-  const auto inverse_eta = hn::Div(hn::Set(d, 1.0f), eta_ti);
-  return Combine3(d, inverse_eta, direction,
-                  hn::Sub(hn::Mul(inverse_eta, cos_incident), cos_transmitted), normal);
+                                        VecOf<D> eta_it) {
+  return Combine3(d, eta_it, direction, hn::Sub(hn::Mul(eta_it, cos_incident), cos_transmitted),
+                  normal);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -30,7 +30,8 @@ FilmOptions film_options(const RenderSettings& settings);
 /// Renders a world through a camera: adds the camera samples of every pixel to a film, which is the
 /// caller's to develop, to keep and to add to. What it gathers is the same, bit for bit, for any
 /// number of threads; a crop has the same pixels as the whole image. A cancelled render leaves it
-/// with what came until then. `world.lanes.film_to_rec709()` develops it.
+/// with what came until then. Samples are numbered from 0: the same render once more adds the same
+/// samples again. `world.lanes.film_to_rec709()` develops it.
 /// Domain: check_settings(settings) passes; `world` was made for the same mode and wavelengths, and
 ///         `film` by film_options of the same settings.
 RenderResult render(const LitWorld& world, const Camera& camera, const RenderSettings& settings,

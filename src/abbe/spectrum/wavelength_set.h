@@ -16,15 +16,16 @@ namespace abbe {
 enum class LaneKind : std::uint8_t {
   Continuous,  ///< A stratum of the continuous range: lights give radiance per nm.
   Line,        ///< One spectral line of a lamp: lights give the line's strength, continuous ones 0.
-  Exact,       ///< A wavelength asked for (--lines): lights give radiance per nm, weight 1 nm.
+  Exact,       ///< A wavelength asked for: lights give radiance per nm, weight 1 nm.
   Padding,     ///< Fills up the SIMD width; its weight is 0.
 };
 
+/// Which wavelengths a render carries.
 struct WavelengthOptions {
   int count = 16;               ///< Continuous lanes, 1 to 64.
   double range_min_nm = 360.0;  ///< Part of the range that is rendered.
   double range_max_nm = 830.0;
-  std::vector<double> exact_nm = {};  ///< --lines: exactly these, nothing else.
+  std::vector<double> exact_nm = {};  ///< Not empty: these, and nothing else.
 };
 
 /// A family of wavelength sets that differ by their shift.

@@ -327,7 +327,7 @@ std::vector<float> LaneModel::luminance_weights() const {
           std::max(0.0f, (w[0] + w[lane_stride_] + w[2 * lane_stride_]) * light[first + lane]);
       sum += result[first + lane];
     }
-    // Wavelengths that nobody sees (--lines 840) still have to be traced.
+    // Wavelengths that nobody sees (840 nm) still have to be traced.
     for (int lane = 0; lane < lane_count_; ++lane) {
       result[first + lane] = sum > 0.0 ? static_cast<float>(result[first + lane] / sum)
                                        : 1.0f / static_cast<float>(lane_count_);

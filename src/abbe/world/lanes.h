@@ -18,13 +18,14 @@
 
 namespace abbe {
 
+/// What the lanes of a render are.
 enum class Mode {
   Spectral,  ///< Lanes are wavelengths.
   Rgb,       ///< Lanes are linear Rec.709 channels; one index of refraction, n_d.
   Rgb3,      ///< The same with an index per channel: R = C line, G = d, B = F.
 };
 
-/// Names as on the command line. Errors: usage Error that lists them.
+/// `spectral`, `rgb`, `rgb3`. Errors: usage Error that lists them.
 Mode mode_from_name(const std::string& name);
 std::string mode_name(Mode mode);
 

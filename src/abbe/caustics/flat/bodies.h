@@ -41,6 +41,7 @@ struct FlatBody {
   bool has_inclusions = false;  ///< Another object may lie in it or reach into it.
 };
 
+/// All flat bodies of a scene, with their facets and faces in the order of the bodies.
 struct FlatBodies {
   std::vector<FlatBody> bodies;
   std::vector<Facet> facets;
@@ -55,8 +56,8 @@ inline constexpr std::size_t kMaxFacets = 512;
 /// Finds smooth untextured dielectrics with flat faces (convex shapes, closed meshes) and smooth
 /// mirrors with flat faces; thin films without textures may be on them. Coplanar triangles that
 /// touch become one facet where their union is convex. Meshes whose normals make flat triangles
-/// look curved are no flat bodies. Errors: none; a mesh that is open, meets itself or has more than
-/// kMaxFacets facets is left out,
+/// look curved are no flat bodies.
+/// Errors: none; a mesh that is open, meets itself or has more than kMaxFacets facets is left out,
 ///         with one warning that names it.
 FlatBodies find_flat_bodies(const Scene& scene, Notes& notes);
 

@@ -4,8 +4,8 @@
 
 namespace abbe {
 
-void RelatedRays::sort(std::span<const Ray> rays, std::span<const std::uint32_t> lamps,
-                       std::size_t lamp_count) {
+void CoherentShadowRays::sort(std::span<const Ray> rays, std::span<const std::uint32_t> lamps,
+                              std::size_t lamp_count) {
   packets.clear();
   numbers.clear();
   others.clear();
@@ -13,7 +13,7 @@ void RelatedRays::sort(std::span<const Ray> rays, std::span<const std::uint32_t>
   open_.assign(lamp_count, 0);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const auto number = static_cast<std::uint32_t>(i);
-    if (lamps[i] == kUnrelated) {
+    if (lamps[i] == kIncoherent) {
       others.push_back(rays[i]);
       other_numbers.push_back(number);
       continue;

@@ -11,10 +11,10 @@
 namespace abbe {
 
 /// Instead of the number of a lamp: a ray that has no neighbour.
-inline constexpr std::uint32_t kUnrelated = ~std::uint32_t{0};
+inline constexpr std::uint32_t kIncoherent = ~std::uint32_t{0};
 
 /// Rays sorted by whether they have neighbours. Keeps its memory between calls.
-struct RelatedRays {
+struct CoherentShadowRays {
   std::vector<RayPacket> packets;  ///< Each to one lamp, in the order of the rays.
   std::vector<std::uint32_t> packet_occluded;
   std::vector<std::uint32_t> numbers;  ///< Of the rays: sixteen for each packet.
@@ -22,7 +22,7 @@ struct RelatedRays {
   std::vector<std::uint8_t> other_occluded;
   std::vector<std::uint32_t> other_numbers;
 
-  /// Shape:  a lamp for each ray: the same for rays that follow each other closely, or kUnrelated.
+  /// Shape:  a lamp for each ray: the same for rays that follow each other closely, or kIncoherent.
   /// Domain: lamps below lamp_count.
   void sort(std::span<const Ray> rays, std::span<const std::uint32_t> lamps,
             std::size_t lamp_count);

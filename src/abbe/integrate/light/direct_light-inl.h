@@ -44,18 +44,20 @@ class DirectLight {
     const SurfaceHit& hit = surface.where.hit;
     const int set = samples_[fan.sample].set;
     const float fog_per_m = world_.fog && fan.media.empty() ? world_.fog->extinction_per_m : 0.0f;
+    LightGeometry to_light;
     for (const WorldLight& light : world_.lights) {
-      StraightLight(d, stride_, light, world_.row(light.row, set), hit.position, to_light_);
+      StraightLight(d, stride_, light, world_.row(light.row, set), hit.position, to_light);
       if (fog_per_m > 0.0f && light.has_distance()) {
-        Attenuate(d, stride_, fog_per_m, to_light_.distance_m, to_light_.irradiance);
+        Attenuate(d, stride_, fog_per_m, to_light.distance_m, to_light.irradiance);
       }
       ShadowJob job;
       const auto lamp = static_cast<std::uint32_t>(&light - world_.lights.data());
       job.ends_at_glass = caustics_.of_light(lamp) != nullptr;
-      if (!begin_job(surface, job)) continue;
+      if (!begin_job(surface, to_light, job)) continue;
       // Camera rays of neighbouring pixels mostly meet the same surface.
       shadows_.add(
-          job, [&](int lane) { return shadow_ray(hit, lane); }, fan.depth == 0 ? lamp : kUnrelated);
+          job, [&](int lane) { return shadow_ray(hit, to_light, lane); },
+          fan.depth == 0 ? lamp : kIncoherent);
     }
     send_parallel_chains(surface);
     send_point_chains(surface);
@@ -63,10 +65,10 @@ class DirectLight {
 
  private:
   // Room for the light of a lamp and what it adds; false when no lane gets any.
-  bool begin_job(const LitSurface& surface, ShadowJob& job) {
+  bool begin_job(const LitSurface& surface, const LightGeometry& to_light, ShadowJob& job) {
     const Fan& fan = surface.where.fan;
     float* contribution = shadows_.reserve(job);
-    ReflectLight(D(), stride_, surface, to_light_, contribution);
+    ReflectLight(D(), stride_, surface, to_light, contribution);
     if (!shadows_.keep_lit(job, surface.where.hit.lanes)) return false;
     job.sample = fan.sample;
     job.record = surface.where.record_number;
@@ -88,6 +90,8 @@ class DirectLight {
       pixel = pixel_on_surface(samples_[fan.sample], kernel_, surface.where.path_length_m,
                                hit.outward.get(0));
     }
+    LightGeometry to_light;
+    ChainPlaces met;
     for (const ParallelChain& chain : caustics_.parallel.chains) {
       if (!may_light(chain, center, radius_m + pixel.reach_m)) continue;
       if (chain.ends_inside &&
@@ -95,8 +99,8 @@ class DirectLight {
         continue;
       }
       const ParallelChainLight<D> light(world_, caustics_.parallel, chain, set);
-      if (!light.run(hit.position, pixel, to_light_, met_)) continue;
-      send_arrived(chain, surface);
+      if (!light.run(hit.position, pixel, to_light, met)) continue;
+      send_arrived(chain, surface, to_light, met);
     }
   }
 
@@ -107,26 +111,29 @@ class DirectLight {
     const int set = samples_[fan.sample].set;
     const Vec3f center = hit.position.get(hit.lanes.front());
     const float radius_m = radius_of(surface.where, center);
+    LightGeometry to_light;
+    ChainPlaces met;
+    LanesInGroup<D> places;  // Of a spread fan.
     for (const PointChainGroup& group : caustics_.point.groups) {
       if (group.ends_inside && (fan.media.empty() || fan.media.top() != group.material)) continue;
       PlaceInGroup place;
       if (!may_light(group, center, radius_m, place)) continue;
       if (!is_in_bounds(place, group.bounds)) continue;
       const LaneMask among =
-          fan.spread ? places_.place(stride_, group, hit.position, hit.lanes) : hit.lanes;
+          fan.spread ? places.place(stride_, group, hit.position, hit.lanes) : hit.lanes;
       if (!among.any()) continue;
       for (std::uint32_t c = group.first_chain; c < group.first_chain + group.chain_count; ++c) {
         const PointChain& chain = caustics_.point.chains[c];
         LaneMask near = among;
         if (fan.spread) {
-          near = places_.in_bounds(stride_, caustics_.point, chain, among);
+          near = places.in_bounds(stride_, caustics_.point, chain, among);
           if (!near.any()) continue;
         } else if (!is_in_bounds(place, caustics_.point, chain)) {
           continue;
         }
         PointChainLight<D> light(world_, caustics_.point, chain, set);
-        if (!light.run(hit.position, near, !fan.spread, to_light_, met_)) continue;
-        send_arrived(chain, surface);
+        if (!light.run(hit.position, near, !fan.spread, to_light, met)) continue;
+        send_arrived(chain, surface, to_light, met);
       }
     }
   }
@@ -137,31 +144,32 @@ class DirectLight {
     return LargestDistance(D(), stride_, where.hit.position, where.hit.lanes, center);
   }
 
-  // Notes the light that a chain brings, which lies in to_light_ and met_.
-  void send_arrived(const ChainPath& chain, const LitSurface& surface) {
+  // Notes the light that a chain brings.
+  void send_arrived(const ChainPath& chain, const LitSurface& surface,
+                    const LightGeometry& to_light, const ChainPlaces& met) {
     ShadowJob job;
-    if (!begin_job(surface, job)) return;
+    if (!begin_job(surface, to_light, job)) return;
     job.spread = true;
     job.ends_at_glass = true;
     shadows_.add(job, [&](int lane) {
-      return LastRay(chain, met_, origin_of(surface.where.hit, lane), lane);
+      return LastRay(chain, met, origin_of(surface.where.hit, to_light, lane), lane);
     });
-    AddGates(shadows_, world_, chain, met_, job);
+    AddGates(shadows_, world_, chain, met, job);
   }
 
   // Just off the surface, on the side that light comes from.
-  Vec3f origin_of(const SurfaceHit& hit, int lane) const {
+  static Vec3f origin_of(const SurfaceHit& hit, const LightGeometry& to_light, int lane) {
     return off_surface(hit.position.get(lane), hit.outward.get(lane), hit.offset_m[lane],
-                       to_light_.direction.get(lane));
+                       to_light.direction.get(lane));
   }
 
   // From there up to the light.
-  Ray shadow_ray(const SurfaceHit& hit, int lane) const {
-    const Vec3f direction = to_light_.direction.get(lane);
-    const Vec3f origin = origin_of(hit, lane);
+  static Ray shadow_ray(const SurfaceHit& hit, const LightGeometry& to_light, int lane) {
+    const Vec3f direction = to_light.direction.get(lane);
+    const Vec3f origin = origin_of(hit, to_light, lane);
     // The start has come nearer to the light.
     const float nearer_m = glm::dot(origin - hit.position.get(lane), direction);
-    return {origin, to_light_.distance_m[lane] - nearer_m, direction};
+    return {origin, to_light.distance_m[lane] - nearer_m, direction};
   }
 
   const World& world_;
@@ -170,9 +178,6 @@ class DirectLight {
   std::span<const CameraSample> samples_;
   ShadowQueue<D>& shadows_;
   const int stride_;
-  LightGeometry to_light_;
-  ChainPlaces met_;
-  LanesInGroup<D> places_;  ///< Of a spread fan.
 };
 
 }  // namespace HWY_NAMESPACE

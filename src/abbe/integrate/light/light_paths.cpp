@@ -9,6 +9,8 @@
 #include "abbe/caustics/flat/facet_optics.h"
 #include "abbe/caustics/flat/light/solver.h"
 #include "abbe/integrate/surface/point.h"
+#include "abbe/optics/absorption.h"
+#include "abbe/optics/snell.h"
 
 namespace abbe {
 namespace {
@@ -103,10 +105,10 @@ class Paths {
     if (medium) {
       const SurfaceMaterial& material = world_.materials[*medium];
       if (!material.absorption_per_m) return 1.0;
-      return std::exp(-value(*material.absorption_per_m, lane) * length_m);
+      return transmittance_after(value(*material.absorption_per_m, lane), length_m);
     }
     if (!world_.fog) return 1.0;
-    return std::exp(-static_cast<double>(world_.fog->extinction_per_m) * length_m);
+    return transmittance_after(static_cast<double>(world_.fog->extinction_per_m), length_m);
   }
 
   std::optional<LightPath> parallel_path(const ParallelChain& chain, int lane) const {
@@ -221,7 +223,7 @@ class Paths {
         if (chain.steps[s].event == ChainEvent::ReflectInside && slope <= 0.0) return std::nullopt;
         gone_m = t;
         at = corner[segment] + t * before;
-        after = before - 2.0 * slope * face.normal;
+        after = reflected_direction(before, face.normal);
       }
       const Vec3d off = at - face.origin;
       const FaceFrame& frame = world_.caustics.point.frames[face.face];

@@ -24,20 +24,20 @@ struct ShadowJob {
   FanOrigin first_turn = FanOrigin::Camera;
   bool spread = false;
   bool ends_at_glass = false;  ///< Flat glass blocks it: that light comes on chains.
-  /// A part of a chain's way that only multiplies the visibility of another job, of this data.
+  /// A part of a chain's path that only multiplies the visibility of another job, of this data.
   std::optional<std::uint32_t> gate_of;
 };
 
 /// Ways on which something may stand, one query each, and whether something opaque does.
 struct ShadowQueries {
   std::vector<Ray> rays;
-  std::vector<std::uint32_t> ray_lamps;  ///< Per ray, as RelatedRays has it.
+  std::vector<std::uint32_t> ray_lamps;  ///< Per ray, as CoherentShadowRays has it.
   std::vector<std::uint8_t> ray_occluded;
   std::vector<RayPacket> packets;
   std::vector<std::uint32_t> packet_occluded;
 };
 
-/// What stops ways of a kind for good, and what may let them by weakened.
+/// What stops shadow rays of a kind for good, and what may let them by weakened.
 inline VisibilityMask blocking_bits(bool ends_at_glass) {
   return ends_at_glass ? kOpaqueBit | kExactGlassBit : kOpaqueBit;
 }
@@ -51,7 +51,7 @@ struct ShadowBuffers {
   AlignedVector<float> data;  ///< Light and visibility of the jobs.
   /// Of paths that pass exact glass, and that end there.
   std::array<ShadowQueries, 2> queries;
-  RelatedRays related;
+  CoherentShadowRays coherent;
   AlignedVector<float> direct_light;  ///< What has arrived, per sample and lane.
 
   ShadowQueries& queries_of(const ShadowJob& job) { return queries[job.ends_at_glass]; }

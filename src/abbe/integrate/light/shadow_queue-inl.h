@@ -32,7 +32,7 @@ inline float* part_of(std::span<float> light_parts, std::uint32_t sample, FanOri
   return light_parts.data() + place * static_cast<std::size_t>(stride);
 }
 
-/// Light that waits to know what stands in its way: the shadow rays of one batch.
+/// Light that waits to know what blocks it: the shadow rays of one batch.
 template <class D>
 class ShadowQueue {
  public:
@@ -75,10 +75,10 @@ class ShadowQueue {
     return job.lanes.any();
   }
 
-  /// Asks what stands on the way of a job: ray_of(lane) is the way, one for all lanes or, where
-  /// job.spread, one for each. A lamp is given where the next such way to it is a neighbour.
+  /// Asks what blocks a job: ray_of(lane) is its shadow ray, one for all lanes or, where
+  /// job.spread, one for each. A lamp is given where the next such ray to it is a neighbour.
   template <class RayOf>
-  void add(ShadowJob& job, RayOf&& ray_of, std::uint32_t lamp = kUnrelated) {
+  void add(ShadowJob& job, RayOf&& ray_of, std::uint32_t lamp = kIncoherent) {
     ShadowQueries& queries = b_.queries_of(job);
     if (!job.spread) {
       job.first_query = static_cast<std::uint32_t>(queries.rays.size());
@@ -147,24 +147,24 @@ class ShadowQueue {
  private:
   void ask(ShadowQueries& queries, VisibilityMask blocking) const {
     ask(queries.packets, blocking, queries.packet_occluded);
-    const auto is_related = [](std::uint32_t lamp) { return lamp != kUnrelated; };
-    if (!std::any_of(queries.ray_lamps.begin(), queries.ray_lamps.end(), is_related)) {
+    const auto is_coherent = [](std::uint32_t lamp) { return lamp != kIncoherent; };
+    if (!std::any_of(queries.ray_lamps.begin(), queries.ray_lamps.end(), is_coherent)) {
       return ask(queries.rays, blocking, queries.ray_occluded);
     }
-    RelatedRays& related = b_.related;
-    related.sort(queries.rays, queries.ray_lamps, world_.lights.size());
-    ask(related.packets, blocking, related.packet_occluded);
-    ask(related.others, blocking, related.other_occluded);
+    CoherentShadowRays& coherent = b_.coherent;
+    coherent.sort(queries.rays, queries.ray_lamps, world_.lights.size());
+    ask(coherent.packets, blocking, coherent.packet_occluded);
+    ask(coherent.others, blocking, coherent.other_occluded);
     queries.ray_occluded.resize(queries.rays.size());
-    for (std::size_t p = 0; p < related.packets.size(); ++p) {
-      for (std::uint32_t lanes = related.packets[p].active; lanes != 0; lanes &= lanes - 1) {
+    for (std::size_t p = 0; p < coherent.packets.size(); ++p) {
+      for (std::uint32_t lanes = coherent.packets[p].active; lanes != 0; lanes &= lanes - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-        queries.ray_occluded[related.numbers[p * kPacketLanes + lane]] =
-            static_cast<std::uint8_t>((related.packet_occluded[p] >> lane) & 1u);
+        queries.ray_occluded[coherent.numbers[p * kPacketLanes + lane]] =
+            static_cast<std::uint8_t>((coherent.packet_occluded[p] >> lane) & 1u);
       }
     }
-    for (std::size_t i = 0; i < related.others.size(); ++i) {
-      queries.ray_occluded[related.other_numbers[i]] = related.other_occluded[i];
+    for (std::size_t i = 0; i < coherent.others.size(); ++i) {
+      queries.ray_occluded[coherent.other_numbers[i]] = coherent.other_occluded[i];
     }
   }
 

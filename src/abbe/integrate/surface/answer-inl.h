@@ -125,7 +125,8 @@ HWY_INLINE SurfaceAnswer AnswerOf(D d, int stride, const MediumChange& change,
                         ReflectedDirection(d, direction, facing, cos_facing));
     reflected = Normalized3(d, reflected);
 
-    auto refracted = RefractedDirection(d, direction, normal, cosine, cos_transmitted, eta);
+    auto refracted =
+        RefractedDirection(d, direction, normal, cosine, cos_transmitted, hn::Div(one, eta));
     const auto stays_outside = hn::Ge(Dot3(d, refracted, facing), zero);
     refracted = Select3(d, stays_outside, direction, refracted);
     refracted = Normalized3(d, refracted);

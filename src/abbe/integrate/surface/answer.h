@@ -31,21 +31,19 @@ struct BoundaryRows {
   const float* inverse_wavelength = nullptr;  ///< In nm⁻¹, with film_n.
 };
 
-/// The boundary of a material for a wavelength set, met on the way from medium to medium.
+/// The boundary of a material for a wavelength set, met between one medium and another.
 BoundaryRows boundary_rows(const World& world, const SurfaceMaterial& material,
                            const MediumChange& change, int set);
 
-/// A way on which light comes coherently: one direction per lane, and the share of power it has.
+/// Light that comes coherently: from one direction per lane, and with what share of power.
 struct Lobe {
   FanOrigin made_by = FanOrigin::Reflected;
-  bool spreads = false;  ///< Lanes that arrived together part.
-  MediumStack media;     ///< That its rays are in.
-  LaneArray3 direction;  ///< Unit length, away from the surface.
-  LaneArray share;       ///< In [0, 1]; that of all lobes adds up to at most 1.
+  std::uint32_t order = 0;  ///< Among the lobes made alike; tells their paths apart.
+  bool spreads = false;     ///< Lanes that arrived together part.
+  MediumStack media;        ///< That its rays are in.
+  LaneArray3 direction;     ///< Unit length, away from the surface.
+  LaneArray share;          ///< In [0, 1]; that of all lobes adds up to at most 1.
 };
-
-/// Most coherent lobes of a surface: glass has two, reflection and refraction.
-inline constexpr std::size_t kMaxLobes = 2;
 
 /// What a surface does to the light of a group of lanes.
 struct SurfaceAnswer {
@@ -56,7 +54,7 @@ struct SurfaceAnswer {
   std::array<Lobe, kMaxLobes> lobes;
   std::size_t lobe_count = 0;
 
-  /// The lobe made that way, or null.
+  /// The first lobe made that way, or null.
   const Lobe* lobe(FanOrigin made_by) const {
     for (std::size_t i = 0; i < lobe_count; ++i) {
       if (lobes[i].made_by == made_by) return &lobes[i];

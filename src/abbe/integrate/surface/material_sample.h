@@ -41,6 +41,7 @@ inline float lane_value(const World& world, const ColorSample& color, const Vec3
   return value * (0.5f + 0.5f * (x / std::sqrt(1.0f + x * x)));
 }
 
+/// A material at a place.
 struct MaterialSample {
   ColorSample base_color;
   ColorSample emission;         ///< Its row is SurfaceMaterial::emission.
@@ -50,6 +51,7 @@ struct MaterialSample {
   float alpha = 1.0f;  ///< Coverage, after the alpha mode.
 };
 
+/// Looks up textures and applies vertex colours.
 /// Units:  footprint_m is the width of the beam where it meets the surface.
 MaterialSample material_sample(const World& world, const SurfaceMaterial& material,
                                const SurfacePoint& point, float footprint_m);

@@ -9,6 +9,7 @@
 #endif
 
 #include <algorithm>
+#include <cstddef>
 
 #include "abbe/integrate/surface/answer-inl.h"
 #include "abbe/integrate/surface/microfacet.h"
@@ -50,7 +51,8 @@ MicrofacetLanes SampleMicrofacets(D d, int stride, const SurfaceHit& hit,
 /// Weighs the lobes of a microfacet with the share of light that its neighbours let by.
 inline void MaskLobes(int stride, const MicrofacetLanes& facets, const SurfaceHit& hit,
                       SurfaceAnswer& answer) {
-  for (Lobe& lobe : answer.lobes) {
+  for (std::size_t i = 0; i < answer.lobe_count; ++i) {
+    Lobe& lobe = answer.lobes[i];
     const float side = lobe.made_by == FanOrigin::Refracted ? -1.0f : 1.0f;
     for (int lane = 0; lane < stride; ++lane) {
       const float cosine = side * glm::dot(lobe.direction.get(lane), hit.normal.get(lane));

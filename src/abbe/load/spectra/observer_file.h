@@ -18,7 +18,7 @@ namespace abbe {
 Observer read_observer_csv(const std::filesystem::path& file, const Observer& photometer,
                            const Spectrum& d65);
 
-/// The observer of `--observer`: cie1931, cie1964, the id of one in the catalogue or a file.
+/// An observer by name: cie1931, cie1964, the id of one in the catalogue or a file.
 /// Errors: a usage Error for an unknown name, an input Error for the file.
 Observer observer_named(const std::string& name, const Catalogue& catalogue,
                         const Observer& photometer, const Spectrum& d65);

@@ -28,6 +28,7 @@ struct alignas(32) Beam {
 
 inline constexpr float kBeamSlack = 0x1p-21f;
 
+/// Numbers from low to high.
 struct Interval {
   float low, high;
 };

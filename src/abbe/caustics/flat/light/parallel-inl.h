@@ -16,6 +16,7 @@
 #include "abbe/caustics/flat/light/chain_places.h"
 #include "abbe/caustics/flat/light/lit_pixel-inl.h"
 #include "abbe/math/segment-inl.h"
+#include "abbe/optics/absorption-inl.h"
 #include "abbe/optics/fresnel-inl.h"
 #include "abbe/world/world.h"
 
@@ -121,6 +122,10 @@ class ParallelChainLight {
       hn::Store(zero, d, geometry.irradiance.v + i);
       Store3(d, Set3(d, Vec3f(0.0f, 0.0f, 1.0f)), geometry.direction, i);
       hn::Store(zero, d, geometry.distance_m.v + i);
+      hn::Store(zero, d, met.slack_m.v + i);
+      for (std::size_t s = 0; s < chain_.steps.size(); ++s) {
+        Store3(d, Set3(d, Vec3f(0.0f)), met.places[s], i);
+      }
       return false;
     }
     const V size = hn::Add(hn::Abs(place.x), hn::Add(hn::Abs(place.y), hn::Abs(place.z)));
@@ -195,7 +200,7 @@ class ParallelChainLight {
       const SurfaceMaterial& material = tables_.materials[step.material];
       if (is_asked || !material.absorption_per_m) continue;
       const V per_m = hn::LoadU(d, tables_.row(*material.absorption_per_m, set_) + i);
-      irradiance = hn::Mul(irradiance, ExpNegative(d, hn::Mul(per_m, length)));
+      irradiance = Attenuated(d, irradiance, per_m, length);
     }
     if (!tables_.fog) return irradiance;
     if (light_.beam) {
@@ -204,8 +209,7 @@ class ParallelChainLight {
                               hn::Set(d, glm::dot(from_light, light_.direction)));
       fog_m = hn::Add(fog_m, hn::Max(along, zero));
     }
-    const V depth = hn::Mul(fog_m, hn::Set(d, tables_.fog->extinction_per_m));
-    return hn::Mul(irradiance, ExpNegative(d, depth));
+    return Attenuated(d, irradiance, hn::Set(d, tables_.fog->extinction_per_m), fog_m);
   }
 
   const TabulatedScene& tables_;

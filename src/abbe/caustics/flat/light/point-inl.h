@@ -28,6 +28,7 @@
 #include "abbe/caustics/flat/light/point_bounds-inl.h"
 #include "abbe/caustics/flat/light/point_shot-inl.h"
 #include "abbe/caustics/flat/light/solver.h"
+#include "abbe/optics/absorption-inl.h"
 #include "abbe/world/lights-inl.h"
 #include "abbe/world/world.h"
 
@@ -335,6 +336,9 @@ class PointChainLight {
       Store3(d, Set3(d, Vec3f(0.0f, 0.0f, 1.0f)), geometry.direction, i);
       hn::Store(zero, d, geometry.distance_m.v + i);
       hn::Store(zero, d, met.slack_m.v + i);
+      for (std::size_t s = 0; s < chain_.steps.size(); ++s) {
+        Store3(d, Set3(d, Vec3f(0.0f)), met.places[s], i);
+      }
       return lit;
     }
     // A few roundings of numbers as large as the path and the place in the world.
@@ -362,10 +366,10 @@ class PointChainLight {
         const SurfaceMaterial& medium = tables_.materials[*chain_.media[j]];
         if (!medium.absorption_per_m) continue;
         const V absorption = hn::LoadU(d, tables_.row(*medium.absorption_per_m, set_) + i);
-        irradiance = hn::Mul(irradiance, ExpNegative(d, hn::Mul(absorption, length)));
+        irradiance = Attenuated(d, irradiance, absorption, length);
       } else if (tables_.fog) {
-        const V depth = hn::Mul(hn::Set(d, tables_.fog->extinction_per_m), length);
-        irradiance = hn::Mul(irradiance, ExpNegative(d, depth));
+        const V per_m = hn::Set(d, tables_.fog->extinction_per_m);
+        irradiance = Attenuated(d, irradiance, per_m, length);
       }
     }
     hn::Store(hn::IfThenElseZero(lit, irradiance), d, geometry.irradiance.v + i);

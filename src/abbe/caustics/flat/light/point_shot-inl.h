@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include "abbe/math/lanes-inl.h"
+#include "abbe/optics/snell-inl.h"
 #include "abbe/world/world.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -89,23 +90,23 @@ HWY_INLINE void ShootOverChain(D d, const ShotLanes& lanes, VecOf<D> u, VecOf<D>
     const float side = step.event == ChainEvent::Enter ? -1.0f : 1.0f;
     const V3 ahead = set3(static_cast<double>(side) * face->normal);
     const V n = lanes.index_of(d, step.material);
-    // n_incident / n_transmitted.
-    const V eta = step.event == ChainEvent::Enter ? hn::Div(one, n) : n;
+    const V eta_it = step.event == ChainEvent::Enter ? hn::Div(one, n) : n;
     const V cosine = Dot3(d, ahead, direction);
     if (k == 0) solid_angle = hn::Mul(hn::Abs(cosine), hn::Mul(inverse, inverse));
-    const V eta_cosine = hn::Mul(eta, cosine);
-    const V square =
-        hn::Add(hn::Mul(hn::Sub(one, eta), hn::Add(one, eta)), hn::Mul(eta_cosine, eta_cosine));
+    const V eta_cosine = hn::Mul(eta_it, cosine);
+    const V square = hn::Add(hn::Mul(hn::Sub(one, eta_it), hn::Add(one, eta_it)),
+                             hn::Mul(eta_cosine, eta_cosine));
     shot.is_valid = hn::And(shot.is_valid, hn::And(hn::Gt(cosine, zero), hn::Gt(square, zero)));
     const V cos_after = hn::Sqrt(hn::Max(square, hn::Set(d, 1e-12f)));
     shot.places[k] = at;
     shot.directions[k] = direction;
     shot.cos_in[k] = hn::Min(cosine, one);
-    direction = Combine3(d, eta, direction, hn::Sub(cos_after, eta_cosine), ahead);
+    const V3 facing{hn::Neg(ahead.x), hn::Neg(ahead.y), hn::Neg(ahead.z)};
+    direction = RefractedDirection(d, direction, facing, cosine, cos_after, eta_it);
     // d(cosθ′ − eta·cosθ) = eta·(eta·cosθ/cosθ′ − 1)·d(cosθ).
-    const V bend = hn::Mul(eta, hn::Sub(hn::Div(eta_cosine, cos_after), one));
-    turn_a = Combine3(d, eta, turn_a, hn::Mul(bend, Dot3(d, turn_a, ahead)), ahead);
-    turn_b = Combine3(d, eta, turn_b, hn::Mul(bend, Dot3(d, turn_b, ahead)), ahead);
+    const V bend = hn::Mul(eta_it, hn::Sub(hn::Div(eta_cosine, cos_after), one));
+    turn_a = Combine3(d, eta_it, turn_a, hn::Mul(bend, Dot3(d, turn_a, ahead)), ahead);
+    turn_b = Combine3(d, eta_it, turn_b, hn::Mul(bend, Dot3(d, turn_b, ahead)), ahead);
     if (k + 1 == count) break;
     face = &chain.faces[chain.crossings[k + 1]];
     const V3 normal = set3(face->normal);

@@ -79,6 +79,7 @@ void Accelerator::all_hits(std::span<const RayPacket> packets, VisibilityMask ma
 const std::vector<std::string>& accelerator_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
+    all.reserve(kKinds.size());
     for (const Kind& kind : kKinds) all.emplace_back(kind.name);
     return all;
   }();

@@ -85,7 +85,7 @@ void FanRecorder::shade(std::uint32_t record_number, const MediumChange& change,
     entry.n_transmitted = rows.n_transmitted != nullptr ? rows.n_transmitted[lane] : 1.0f;
     entry.k_r = reflection != nullptr ? reflection->share[lane] : 0.0f;
     entry.k_t = refraction != nullptr ? refraction->share[lane] : 0.0f;
-    if (entry.k_t > 0.0f && !change.goes_straight()) {
+    if (refraction != nullptr && entry.k_t > 0.0f && !change.goes_straight()) {
       entry.angle_refracted_rad = angle_between(refraction->direction.get(lane), -normal);
     }
     entry.local_light = at.emission[lane];

@@ -116,6 +116,7 @@ std::string cause_name(Cause cause) {
 
 std::vector<std::string> cause_names() {
   std::vector<std::string> names;
+  names.reserve(kCauses.size());
   for (const Cause cause : kCauses) names.push_back(cause_name(cause));
   return names;
 }

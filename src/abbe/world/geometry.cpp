@@ -68,7 +68,7 @@ class Flattener {
     const Mat3d for_normals = glm::transpose(glm::inverse(linear));
     const bool mirrored = glm::determinant(linear) < 0.0;
     for (const Vec3f& position : mesh.positions) {
-      geometry_.positions.push_back(Vec3f(Vec3d(to_world * Vec4d(Vec3d(position), 1.0))));
+      geometry_.positions.emplace_back(Vec3d(to_world * Vec4d(Vec3d(position), 1.0)));
     }
     if (!mesh.normals.empty()) {
       surface.normals_offset = static_cast<std::uint32_t>(geometry_.normals.size());
@@ -84,7 +84,7 @@ class Flattener {
       surface.tangents_offset = static_cast<std::uint32_t>(geometry_.tangents.size());
       for (const Vec4f& tangent : mesh.tangents) {
         const Vec3f moved(linear * Vec3d(Vec3f(tangent)));
-        geometry_.tangents.push_back(Vec4f(moved, mirrored ? -tangent.w : tangent.w));
+        geometry_.tangents.emplace_back(moved, mirrored ? -tangent.w : tangent.w);
       }
     }
     for (std::size_t set = 0; set < surface.uv_offset.size(); ++set) {

@@ -43,7 +43,7 @@ std::vector<Vec2d> index_ranges(const TabulatedScene& tables) {
     for (int set = 0; set < tables.lanes.set_count(); ++set) {
       const float* n = tables.row(material.index, set);
       const auto [least, greatest] = std::minmax_element(n, n + tables.lanes.lane_count());
-      ranges.push_back(Vec2d(*least, *greatest));
+      ranges.emplace_back(*least, *greatest);
     }
   }
   return ranges;

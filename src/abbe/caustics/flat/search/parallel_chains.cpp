@@ -323,7 +323,7 @@ class Builder {
     const Facet& last = facets_[steps_.back().facet];
     std::vector<Vec4d> sides;
     const auto add = [&](const Vec3d& normal, const Vec3d& on_it) {
-      sides.push_back(Vec4d(normal, -glm::dot(normal, on_it - origin)));
+      sides.emplace_back(normal, -glm::dot(normal, on_it - origin));
     };
     const Vec3d ahead = glm::dot(bundle.direction, last.normal) > 0.0 ? last.normal : -last.normal;
     add(ahead, last.corners.front());

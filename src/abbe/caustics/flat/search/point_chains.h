@@ -14,6 +14,6 @@ ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::
                             PointChains& chains);
 
 /// Orders groups and the chains in them, largest first.
-void sort_point_chains(PointChains& chains);
+void sort_point_chains(PointChains& all);
 
 }  // namespace abbe

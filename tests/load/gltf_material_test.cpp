@@ -297,6 +297,22 @@ TEST_F(GltfMaterial, emission_reflectance_absorption_and_ambient) {
   EXPECT_EQ(notes_text(), "");
 }
 
+TEST_F(GltfMaterial, priority_is_an_integer_of_sixteen_bits) {
+  abbe_material() = Json::object();
+  EXPECT_EQ(loaded().priority, 0);
+  for (const int priority : {-32768, -3, 7, 32767}) {
+    abbe_material()["priority"] = priority;
+    EXPECT_EQ(loaded().priority, priority);
+  }
+  abbe_material()["priority"] = 2.5;
+  EXPECT_THAT(error(), HasSubstr("/materials/0/extensions/ABBE_material/priority"));
+  EXPECT_THAT(error(), HasSubstr("an integer from -32768 to 32767"));
+  abbe_material()["priority"] = 32768;
+  EXPECT_THAT(error(), HasSubstr("from -32768 to 32767"));
+  abbe_material()["priority"] = "high";
+  EXPECT_THAT(error(), HasSubstr("/materials/0/extensions/ABBE_material/priority"));
+}
+
 TEST_F(GltfMaterial, unknown_fields_are_notes_that_list_the_valid_ones) {
   abbe_material() = {{"reflectence", 0.5}, {"fluorescence", {{"shift_nm", 40}}}};
   loaded();

@@ -145,6 +145,8 @@ struct Material {
   std::optional<Conductor> conductor;
   std::optional<ThinFilm> film;
   std::optional<double> ambient_factor;  ///< k_a; default: diffuse albedo × (1 − F).
+  /// Of closed bodies that overlap, the one of the highest owns the space.
+  std::int16_t priority = 0;
 };
 
 /// Triangles with their attributes; per-vertex vectors are empty or as long as positions.

@@ -46,6 +46,7 @@ class Tabulator {
     material.alpha_cutoff = source.alpha_cutoff;
     material.unlit = source.unlit;
     material.index_is_infinite = source.index_is_infinite;
+    material.priority = source.priority;
     if (source.ambient_factor) material.ambient_factor = static_cast<float>(*source.ambient_factor);
     if (source.conductor) {
       material.metallic = 1.0f;

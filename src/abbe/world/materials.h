@@ -64,6 +64,8 @@ struct SurfaceMaterial {
 
   std::optional<float> ambient_factor;
 
+  std::int16_t priority = 0;  ///< Where bodies overlap, the highest owns the space.
+
   bool is_textured() const {
     return base_color_texture || metallic_roughness_texture || transmission_texture ||
            emissive_texture || (film && (film->factor_texture || film->thickness_texture));

@@ -143,6 +143,7 @@ Description describe_material(const Material& material, Notes& notes) {
     out["alpha_cutoff"] = short_decimal(material.alpha_cutoff);
   if (material.alpha_mode == AlphaMode::Blend) out["alpha"] = "blend";
   if (material.ambient_factor) out["ambient_factor"] = *material.ambient_factor;
+  if (material.priority != 0) out["priority"] = material.priority;
   note_approximations(material, name, notes);
   return out;
 }

@@ -129,8 +129,8 @@ Conductor read_conductor(Document& document, const Fields& extension, const std:
 
 void apply_abbe_material(Document& document, const Fields& extension, const Json& source,
                          Spectra& spectra, Material& material) {
-  extension.only(
-      {"dispersion", "conductor", "reflectance", "emission", "absorption", "ambient", "film"});
+  extension.only({"dispersion", "conductor", "reflectance", "emission", "absorption", "ambient",
+                  "film", "priority"});
   const Json* pbr = find(&source, "pbrMetallicRoughness");
   const bool states_roughness = find(pbr, "roughnessFactor") != nullptr;
   const bool states_metallic = find(pbr, "metallicFactor") != nullptr;
@@ -178,6 +178,7 @@ void apply_abbe_material(Document& document, const Fields& extension, const Json
   if (extension.has("ambient")) {
     material.ambient_factor = extension.limited("ambient", 0.0, {0.0, 1.0});
   }
+  material.priority = extension.integer<std::int16_t>("priority", material.priority);
 }
 
 }  // namespace abbe::gltf

@@ -66,6 +66,15 @@ double Fields::required_number(const char* name, Range range) const {
   return finite_number(at(name), where(name), range);
 }
 
+double Fields::whole_number(const char* name, double otherwise, Range range) const {
+  const double value = number(name, otherwise, range);
+  if (value != std::floor(value)) {
+    throw_input_error(where(name), describe(at(name)),
+                      fmt::format("an integer from {:.0f} to {:.0f}", range.low, range.high));
+  }
+  return value;
+}
+
 double Fields::limited(const char* name, double otherwise, Range range) const {
   if (!has(name)) return otherwise;
   return limit(finite_number(at(name), where(name), {}), range, where(name), document_->notes());

@@ -35,6 +35,12 @@ class Fields {
   double number(const char* name, double otherwise, Range range) const;
   /// Like number, but required.
   double required_number(const char* name, Range range) const;
+  /// An integer of type T. Errors: input Error when it is none, or outside of the type's range.
+  template <class T>
+  T integer(const char* name, T otherwise) const {
+    using Limits = std::numeric_limits<T>;
+    return static_cast<T>(whole_number(name, otherwise, {Limits::min(), Limits::max()}));
+  }
   /// A value outside the range is limited to it, with a warning.
   double limited(const char* name, double otherwise, Range range) const;
   /// Three numbers, limited likewise.
@@ -47,6 +53,8 @@ class Fields {
   void only(std::initializer_list<const char*> names) const;
 
  private:
+  double whole_number(const char* name, double otherwise, Range range) const;
+
   Document* document_;
   const Json* object_;
   std::string pointer_;

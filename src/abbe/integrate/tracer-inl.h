@@ -167,7 +167,7 @@ class Tracer {
       branching_.pass_by(where, at.alpha, throughput, next);
     }
 
-    const SurfaceAnswer answer = AnswerOf(d, stride_, change, rows, hit, hit.normal, at);
+    const SurfaceAnswer answer = AnswerOf(d, stride_, change, rows, hit, at, nullptr);
     const bool hidden = change.crossing == Crossing::Hidden;
     add_local_light(fan, material, at.emission, answer, throughput, hidden);
     if (wants_albedo) keep_albedo(fan, at.base_color);
@@ -183,9 +183,8 @@ class Tracer {
     if (!rough) return branching_.branch(where, throughput, answer, next);
     const MicrofacetLanes facets =
         SampleMicrofacets(d, stride_, hit, at.roughness, fan.spread, facet_choice(fan));
-    SurfaceAnswer about_facets = AnswerOf(d, stride_, change, rows, hit, facets.normal, at);
-    MaskLobes(stride_, facets, hit, about_facets);
-    branching_.branch(where, throughput, about_facets, next);
+    branching_.branch(where, throughput, AnswerOf(d, stride_, change, rows, hit, at, &facets),
+                      next);
   }
 
   bool is_in_fog(const Fan& fan) const { return world_.fog && fan.media.empty(); }

@@ -4,8 +4,8 @@
 
 #include "abbe/base/constants.h"
 #include "abbe/cli/describe/describe.h"
-#include "abbe/integrate/surface/microfacet.h"
 #include "abbe/load/spectra/range_notes.h"
+#include "abbe/scene/scene.h"
 #include "abbe/world/lights.h"
 
 namespace abbe {

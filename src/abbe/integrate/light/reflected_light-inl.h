@@ -12,6 +12,7 @@
 
 #include "abbe/integrate/lit_surface.h"
 #include "abbe/integrate/surface/answer-inl.h"
+#include "abbe/optics/microfacet-inl.h"
 #include "abbe/world/lights.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -24,38 +25,25 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <class D>
 HWY_INLINE VecOf<D> RoughLobe(D d, const LitSurface& surface, int i, const Vec3Of<D>& normal,
                               const Vec3Of<D>& to_light, VecOf<D> cos_light) {
-  const BoundaryRows& rows = surface.rows;
   const MaterialLanes& at = surface.at;
   const SurfaceAnswer& answer = surface.answer;
   const auto one = hn::Set(d, 1.0f);
   const auto zero = hn::Zero(d);
-  const auto inverse_pi = hn::Set(d, static_cast<float>(1.0 / kPi));
   const auto view = Load3(d, surface.where.hit.direction, i);
   const Vec3Of<D> to_view{hn::Neg(view.x), hn::Neg(view.y), hn::Neg(view.z)};
   const auto half = Normalized3(d, Combine3(d, one, to_light, one, to_view));
   const auto cos_half = hn::Min(hn::Max(Dot3(d, normal, half), zero), one);
   const auto cos_view_half = hn::Min(hn::Max(Dot3(d, to_view, half), zero), one);
-  const auto cos_view = hn::Max(hn::Load(d, answer.cos_incident.v + i), hn::Set(d, 1e-4f));
+  const auto cos_view = hn::Max(hn::Load(d, answer.cos_incident.v + i), hn::Set(d, kLeastCosine));
   const auto roughness = hn::Max(hn::Load(d, at.roughness.v + i), hn::Set(d, kSmoothRoughness));
   const auto alpha = hn::Mul(roughness, roughness);
   const auto alpha2 = hn::Mul(alpha, alpha);
-  const auto bracket = hn::Add(hn::Mul(hn::Mul(cos_half, cos_half), hn::Sub(alpha2, one)), one);
-  const auto distribution = hn::Div(hn::Mul(alpha2, inverse_pi), hn::Mul(bracket, bracket));
-  const auto masking = [&](auto cosine) {
-    return hn::Sqrt(hn::Add(hn::Mul(hn::Mul(cosine, cosine), hn::Sub(one, alpha2)), alpha2));
-  };
-  const auto cos_light_positive = hn::Max(cos_light, hn::Set(d, 1e-6f));
-  const auto visibility =
-      hn::Div(hn::Set(d, 0.5f), hn::Add(hn::Mul(cos_light_positive, masking(cos_view)),
-                                        hn::Mul(cos_view, masking(cos_light_positive))));
-  auto cos_transmitted = one;
-  auto fresnel = DielectricPart(d, rows, at, i, hn::Load(d, answer.eta_ti.v + i), cos_view_half,
-                                &cos_transmitted);
-  if (rows.index_is_infinite) fresnel = one;
-  const auto metallic = hn::Load(d, at.metallic.v + i);
-  const auto metal = MetalPart(d, rows, at, i, cos_view_half);
-  fresnel = hn::Add(hn::Mul(hn::Sub(one, metallic), fresnel), hn::Mul(metallic, metal));
-  return hn::Mul(fresnel, hn::Mul(distribution, visibility));
+  const auto lobe =
+      hn::Mul(GgxDistribution(d, cos_half, alpha2),
+              SmithVisibility(d, cos_view, hn::Max(cos_light, hn::Set(d, 1e-6f)), alpha2));
+  const auto fresnel =
+      SharesAt(d, surface.rows, at, i, hn::Load(d, answer.eta_ti.v + i), cos_view_half).reflected;
+  return hn::Mul(fresnel, lobe);
 }
 
 /// Light that would reach the camera by direct reflection of what arrives from a lamp, per lane,

@@ -16,12 +16,16 @@
 #include "abbe/integrate/surface/answer.h"
 #include "abbe/math/lanes-inl.h"
 #include "abbe/optics/boundary-inl.h"
+#include "abbe/optics/microfacet-inl.h"
 #include "abbe/optics/snell-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
+
+/// Rough surfaces seen at a lower cosine are seen at this one.
+inline constexpr float kLeastCosine = 1e-4f;
 
 template <class D>
 HWY_INLINE VecOf<D> RowOr(D d, const float* row, int i, float otherwise) {
@@ -72,13 +76,123 @@ HWY_INLINE VecOf<D> MetalPart(D d, const BoundaryRows& rows, const MaterialLanes
   return ConductorBoundary(d, film, cosine, n, k, n_medium);
 }
 
+/// Light that arrives at a surface in some lanes, and the normals on its side.
+template <class D>
+struct Arrival {
+  Vec3Of<D> direction;
+  Vec3Of<D> facing;   ///< The geometric normal.
+  Vec3Of<D> shading;  ///< What light is reflected and refracted about.
+};
+
+template <class D>
+HWY_INLINE Arrival<D> ArrivalAt(D d, const SurfaceHit& hit, int i) {
+  const auto direction = Load3(d, hit.direction, i);
+  const auto facing = FacingNormal(d, direction, Load3(d, hit.outward, i));
+  const auto normal = Load3(d, hit.normal, i);
+  // Interpolated normals may turn away from a ray that sees the surface.
+  const auto turned_away = hn::Ge(Dot3(d, direction, normal), hn::Zero(d));
+  return {direction, facing, Select3(d, turned_away, facing, normal)};
+}
+
+/// Shares of power at a boundary that light meets at some angle.
+template <class D>
+struct BoundaryShares {
+  VecOf<D> reflected, refracted, diffuse;
+  VecOf<D> cos_transmitted;
+};
+
+template <class D>
+HWY_INLINE BoundaryShares<D> SharesAt(D d, const BoundaryRows& rows, const MaterialLanes& at, int i,
+                                      VecOf<D> eta, VecOf<D> cosine) {
+  const auto one = hn::Set(d, 1.0f);
+  BoundaryShares<D> shares;
+  shares.cos_transmitted = one;
+  auto dielectric = DielectricPart(d, rows, at, i, eta, cosine, &shares.cos_transmitted);
+  if (rows.index_is_infinite) dielectric = one;
+  const auto metallic = hn::Load(d, at.metallic.v + i);
+  const auto transmission = hn::Load(d, at.transmission.v + i);
+  const auto metal = MetalPart(d, rows, at, i, cosine);
+  const auto dielectric_part = hn::Sub(one, metallic);
+  const auto behind =
+      hn::Mul(hn::Mul(dielectric_part, hn::Sub(one, dielectric)), hn::Load(d, at.base_color.v + i));
+  shares.reflected = hn::Add(hn::Mul(dielectric_part, dielectric), hn::Mul(metallic, metal));
+  // A film's reflectance rounds; behind total reflection there is nothing at all.
+  shares.refracted = hn::IfThenElseZero(hn::Gt(shares.cos_transmitted, hn::Zero(d)),
+                                        hn::Mul(behind, transmission));
+  shares.diffuse = hn::Mul(behind, hn::Sub(one, transmission));
+  return shares;
+}
+
+/// Where the coherent rays of a boundary go, and what share of their light gets there.
+template <class D>
+struct CoherentRays {
+  Vec3Of<D> reflected, refracted;
+  VecOf<D> reflected_share, refracted_share;
+};
+
+/// Those of a smooth surface: about the shading normal, unless that would lead to the wrong side.
+template <class D>
+HWY_INLINE CoherentRays<D> SmoothRays(D d, const Arrival<D>& arrival, VecOf<D> cosine,
+                                      VecOf<D> cos_transmitted, VecOf<D> eta) {
+  const auto& [direction, facing, normal] = arrival;
+  const auto one = hn::Set(d, 1.0f);
+  const auto zero = hn::Zero(d);
+  auto reflected = ReflectedDirection(d, direction, normal, cosine);
+  const auto cos_facing = hn::Neg(Dot3(d, direction, facing));
+  reflected = Select3(d, hn::Gt(Dot3(d, reflected, facing), zero), reflected,
+                      ReflectedDirection(d, direction, facing, cos_facing));
+  auto refracted =
+      RefractedDirection(d, direction, normal, cosine, cos_transmitted, hn::Div(one, eta));
+  const auto stays_outside = hn::Ge(Dot3(d, refracted, facing), zero);
+  refracted = Select3(d, stays_outside, direction, refracted);
+  return {Normalized3(d, reflected), Normalized3(d, refracted), one, one};
+}
+
+/// Those of a microfacet: what would lead to the wrong side carries nothing, of the rest what its
+/// neighbours let by. A thin sheet sends behind it the mirror image of what it reflects.
+/// Source: Heitz & d'Eon, Importance Sampling Microfacet-Based BSDFs, EGSR 2014: the weights;
+///         KHR_materials_transmission: the sheet.
+template <class D>
+HWY_INLINE CoherentRays<D> FacetRays(D d, const Arrival<D>& arrival, const Vec3Of<D>& facet,
+                                     VecOf<D> alpha, const BoundaryShares<D>& shares, VecOf<D> eta,
+                                     bool is_sheet) {
+  const auto& [direction, facing, normal] = arrival;
+  const auto one = hn::Set(d, 1.0f);
+  const auto zero = hn::Zero(d);
+  const auto alpha2 = hn::Mul(alpha, alpha);
+  const auto cos_view = hn::Max(hn::Neg(Dot3(d, direction, normal)), hn::Set(d, kLeastCosine));
+  const auto cosine = hn::Neg(Dot3(d, direction, facet));
+  const auto is_seen = hn::Gt(cosine, zero);
+
+  CoherentRays<D> rays;
+  rays.reflected = Normalized3(d, ReflectedDirection(d, direction, facet, cosine));
+  const auto cos_out = Dot3(d, rays.reflected, normal);
+  const auto let_by =
+      hn::IfThenElseZero(is_seen, SmithReflectedShare(d, cos_view, cos_out, alpha2));
+  rays.reflected_share = hn::IfThenElseZero(hn::Gt(Dot3(d, rays.reflected, facing), zero), let_by);
+  if (is_sheet) {
+    rays.refracted = Combine3(d, one, rays.reflected, hn::Mul(hn::Set(d, -2.0f), cos_out), normal);
+    rays.refracted_share = let_by;
+  } else {
+    rays.refracted =
+        RefractedDirection(d, direction, facet, cosine, shares.cos_transmitted, hn::Div(one, eta));
+  }
+  rays.refracted = Normalized3(d, rays.refracted);
+  if (!is_sheet) {
+    const auto cos_behind = hn::Neg(Dot3(d, rays.refracted, normal));
+    rays.refracted_share = hn::IfThenElseZero(is_seen, SmithRefractedShare(d, cos_behind, alpha2));
+  }
+  rays.refracted_share =
+      hn::IfThenElseZero(hn::Lt(Dot3(d, rays.refracted, facing), zero), rays.refracted_share);
+  return rays;
+}
+
 /// The answer of a surface to the lanes that met it: shares of light, and the directions of the
-/// coherent rays. `normals` are those that light is reflected and refracted about, on the side of
-/// arrival: the hit's own, or a microfacet's.
+/// coherent rays. They turn about the normal of the hit, or about those of `facets`, if any.
 template <class D>
 HWY_INLINE SurfaceAnswer AnswerOf(D d, int stride, const MediumChange& change,
                                   const BoundaryRows& rows, const SurfaceHit& hit,
-                                  const LaneArray3& normals, const MaterialLanes& at) {
+                                  const MaterialLanes& at, const MicrofacetLanes* facets) {
   const bool hidden = change.crossing == Crossing::Hidden;
   SurfaceAnswer answer;
   Lobe& reflection = answer.lobes[0];
@@ -91,60 +205,27 @@ HWY_INLINE SurfaceAnswer AnswerOf(D d, int stride, const MediumChange& change,
   const auto one = hn::Set(d, 1.0f);
   const auto zero = hn::Zero(d);
   for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
-    const auto direction = Load3(d, hit.direction, i);
-    const auto facing = FacingNormal(d, direction, Load3(d, hit.outward, i));
-    auto normal = Load3(d, normals, i);
-    auto cosine = hn::Neg(Dot3(d, direction, normal));
-    // Interpolated normals may turn away from a ray that sees the surface.
-    const auto turned_away = hn::Le(cosine, zero);
-    normal = Select3(d, turned_away, facing, normal);
-    cosine = hn::IfThenElse(turned_away, hn::Neg(Dot3(d, direction, facing)), cosine);
+    const auto arrival = ArrivalAt(d, hit, i);
+    const auto normal = facets != nullptr ? Load3(d, facets->normal, i) : arrival.shading;
+    auto cosine = hn::Neg(Dot3(d, arrival.direction, normal));
     cosine = hn::Min(hn::Max(cosine, zero), one);
-
     const auto n_medium = RowOr(d, rows.n_medium, i, 1.0f);
     const auto eta =
         hn::Div(RowOr(d, rows.n_transmitted, i, 1.0f), RowOr(d, rows.n_incident, i, 1.0f));
-    auto cos_transmitted = one;
-    auto dielectric = DielectricPart(d, rows, at, i, eta, cosine, &cos_transmitted);
-    if (rows.index_is_infinite) dielectric = one;
-    const auto base_color = hn::Load(d, at.base_color.v + i);
-    const auto metallic = hn::Load(d, at.metallic.v + i);
-    const auto transmission = hn::Load(d, at.transmission.v + i);
-    const auto metal = MetalPart(d, rows, at, i, cosine);
-    const auto dielectric_part = hn::Sub(one, metallic);
-    const auto refracted_share =
-        hn::Mul(hn::Mul(dielectric_part, hn::Sub(one, dielectric)), base_color);
-    auto k_r = hn::Add(hn::Mul(dielectric_part, dielectric), hn::Mul(metallic, metal));
-    auto k_t = hn::Mul(refracted_share, transmission);
-    auto diffuse = hn::Mul(refracted_share, hn::Sub(one, transmission));
-
-    // Reflection about the shading normal, unless that would lead into the surface.
-    auto reflected = ReflectedDirection(d, direction, normal, cosine);
-    const auto cos_facing = hn::Neg(Dot3(d, direction, facing));
-    reflected = Select3(d, hn::Gt(Dot3(d, reflected, facing), zero), reflected,
-                        ReflectedDirection(d, direction, facing, cos_facing));
-    reflected = Normalized3(d, reflected);
-
-    auto refracted =
-        RefractedDirection(d, direction, normal, cosine, cos_transmitted, hn::Div(one, eta));
-    const auto stays_outside = hn::Ge(Dot3(d, refracted, facing), zero);
-    refracted = Select3(d, stays_outside, direction, refracted);
-    refracted = Normalized3(d, refracted);
-
-    if (hidden) {
-      k_r = zero;
-      k_t = one;
-      diffuse = zero;
-    }
-    if (change.goes_straight()) refracted = direction;
+    auto shares = SharesAt(d, rows, at, i, eta, cosine);
+    auto rays = facets != nullptr ? FacetRays(d, arrival, normal, hn::Load(d, facets->alpha.v + i),
+                                              shares, eta, change.crossing == Crossing::Thin)
+                                  : SmoothRays(d, arrival, cosine, shares.cos_transmitted, eta);
+    if (hidden) shares = {zero, one, zero, one};
+    if (change.goes_straight() && facets == nullptr) rays.refracted = arrival.direction;
     hn::Store(cosine, d, answer.cos_incident.v + i);
     hn::Store(eta, d, answer.eta_ti.v + i);
-    hn::Store(diffuse, d, answer.diffuse.v + i);
+    hn::Store(shares.diffuse, d, answer.diffuse.v + i);
     hn::Store(hn::Div(one, hn::Mul(n_medium, n_medium)), d, answer.inverse_n2.v + i);
-    hn::Store(k_r, d, reflection.share.v + i);
-    hn::Store(k_t, d, refraction.share.v + i);
-    Store3(d, reflected, reflection.direction, i);
-    Store3(d, refracted, refraction.direction, i);
+    hn::Store(hn::Mul(shares.reflected, rays.reflected_share), d, reflection.share.v + i);
+    hn::Store(hn::Mul(shares.refracted, rays.refracted_share), d, refraction.share.v + i);
+    Store3(d, rays.reflected, reflection.direction, i);
+    Store3(d, rays.refracted, refraction.direction, i);
   }
   // Where there is one index for all lanes, they go on together.
   const float eta = answer.eta_ti[hit.lanes.front()];

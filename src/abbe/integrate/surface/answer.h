@@ -19,6 +19,12 @@ struct MaterialLanes {
   LaneArray film_factor, film_thickness_nm;  ///< Filled where the material has a film.
 };
 
+/// Microfacets that lanes meet, and the roughness that they were drawn from.
+struct MicrofacetLanes {
+  LaneArray3 normal;
+  LaneArray alpha;  ///< roughness².
+};
+
 /// What a boundary between media is made of: rows of lanes; null means index 1, no row.
 struct BoundaryRows {
   bool index_is_infinite = false;  ///< The dielectric part reflects everything.

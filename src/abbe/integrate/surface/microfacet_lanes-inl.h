@@ -1,4 +1,4 @@
-/// The coherent lobes of rough surfaces, about one microfacet. Highway code, compiled once per
+/// The microfacets that light meets on rough surfaces. Highway code, compiled once per
 /// instruction set.
 
 #if defined(ABBE_INTEGRATE_SURFACE_MICROFACET_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -9,20 +9,13 @@
 #endif
 
 #include <algorithm>
-#include <cstddef>
 
 #include "abbe/integrate/surface/answer-inl.h"
-#include "abbe/integrate/surface/microfacet.h"
+#include "abbe/optics/microfacet.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
-
-/// Microfacets that lanes meet, and the roughness that they were drawn from.
-struct MicrofacetLanes {
-  LaneArray3 normal;
-  LaneArray alpha;
-};
 
 /// One microfacet normal, drawn once for all lanes among those visible from where they come from.
 /// Domain: u in [0, 1)².
@@ -30,14 +23,18 @@ template <class D>
 MicrofacetLanes SampleMicrofacets(D d, int stride, const SurfaceHit& hit,
                                   const LaneArray& roughness, bool spread, const Vec2f& u) {
   MicrofacetLanes facets;
+  LaneArray3 shading;
+  for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
+    Store3(d, ArrivalAt(d, hit, i).shading, shading, i);
+  }
   const int last = spread ? stride : 1;
   for (int lane = 0; lane < last; ++lane) {
     const int source = hit.lanes.test(lane) ? lane : hit.lanes.front();
     const float rough = std::max(roughness[source], kSmoothRoughness);
     facets.alpha[lane] = rough * rough;
-    const Basis basis(hit.normal.get(source));
+    const Basis basis(shading.get(source));
     Vec3f view = basis.to_local(-hit.direction.get(source));
-    view.z = std::max(view.z, 1e-4f);
+    view.z = std::max(view.z, kLeastCosine);
     const Vec3f facet = sample_visible_normal(glm::normalize(view), facets.alpha[lane], u);
     facets.normal.set(lane, basis.to_world(facet));
   }
@@ -46,20 +43,6 @@ MicrofacetLanes SampleMicrofacets(D d, int stride, const SurfaceHit& hit,
     Splat(d, stride, facets.alpha[0], facets.alpha);
   }
   return facets;
-}
-
-/// Weighs the lobes of a microfacet with the share of light that its neighbours let by.
-inline void MaskLobes(int stride, const MicrofacetLanes& facets, const SurfaceHit& hit,
-                      SurfaceAnswer& answer) {
-  for (std::size_t i = 0; i < answer.lobe_count; ++i) {
-    Lobe& lobe = answer.lobes[i];
-    const float side = lobe.made_by == FanOrigin::Refracted ? -1.0f : 1.0f;
-    for (int lane = 0; lane < stride; ++lane) {
-      const float cosine = side * glm::dot(lobe.direction.get(lane), hit.normal.get(lane));
-      lobe.share[lane] *=
-          cosine > 0.0f ? ggx_masking(std::min(cosine, 1.0f), facets.alpha[lane]) : 0.0f;
-    }
-  }
 }
 
 }  // namespace HWY_NAMESPACE

@@ -1,4 +1,5 @@
-/// The GGX distribution of microfacets, glTF's model of rough surfaces.
+/// Normals of GGX microfacets, glTF's model of rough surfaces. What they let by is in
+/// microfacet-inl.h.
 #pragma once
 
 #include <algorithm>
@@ -6,17 +7,8 @@
 
 #include "abbe/base/constants.h"
 #include "abbe/math/vec.h"
-#include "abbe/scene/scene.h"
 
 namespace abbe {
-
-/// Smith's masking of GGX for a direction at cosine `cos_theta`: the share of microfacets seen.
-/// Domain: cos_theta in (0, 1], alpha = roughness² > 0.
-inline float ggx_masking(float cos_theta, float alpha) {
-  const float cos2 = cos_theta * cos_theta;
-  const float tan2 = (1.0f - cos2) / cos2;
-  return 2.0f / (1.0f + std::sqrt(1.0f + alpha * alpha * tan2));
-}
 
 /// A microfacet normal among those visible from `view`, about the z axis.
 /// Domain: view of unit length with view.z > 0; u in [0, 1)².

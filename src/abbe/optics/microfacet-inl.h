@@ -1,0 +1,76 @@
+/// GGX microfacets for all lanes at once: how their normals are spread, and what they hide from
+/// each other by Smith's rule. Highway code, compiled once per instruction set.
+///
+/// Contract. No fused multiply-add: the same bits on every instruction set level. Cosines are those
+/// with the normal of the surface, alpha is roughness².
+/// Source: Walter, Marschner, Li & Torrance, Microfacet Models for Refraction through Rough
+///         Surfaces, EGSR 2007; Heitz, Understanding the Masking-Shadowing Function, JCGT 3(2),
+///         2014.
+
+#if defined(ABBE_OPTICS_MICROFACET_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ABBE_OPTICS_MICROFACET_INL_H_
+#undef ABBE_OPTICS_MICROFACET_INL_H_
+#else
+#define ABBE_OPTICS_MICROFACET_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "abbe/base/constants.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace abbe {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// How microfacet normals are spread: D, in sr⁻¹.
+/// Domain: cos_half in [0, 1], alpha2 = alpha² > 0.
+template <class D, class V>
+HWY_INLINE V GgxDistribution(D d, V cos_half, V alpha2) {
+  const V one = hn::Set(d, 1.0f);
+  const V bracket = hn::Add(hn::Mul(hn::Mul(cos_half, cos_half), hn::Sub(alpha2, one)), one);
+  return hn::Div(hn::Mul(alpha2, hn::Set(d, static_cast<float>(1.0 / kPi))),
+                 hn::Mul(bracket, bracket));
+}
+
+/// √(cos²(1 − α²) + α²) = cos·(1 + 2Λ), of Smith's Λ.
+/// Domain: cosine in [0, 1].
+template <class D, class V>
+HWY_INLINE V SmithRoot(D d, V cosine, V alpha2) {
+  const V one = hn::Set(d, 1.0f);
+  return hn::Sqrt(hn::Add(hn::Mul(hn::Mul(cosine, cosine), hn::Sub(one, alpha2)), alpha2));
+}
+
+/// G2/(4 cos_view cos_light) of reflection: the share of microfacets that both sides see, with
+/// heights that correlate. The lobe is F·D times this.
+/// Domain: cosines in (0, 1].
+template <class D, class V>
+HWY_INLINE V SmithVisibility(D d, V cos_view, V cos_light, V alpha2) {
+  return hn::Div(hn::Set(d, 0.5f), hn::Add(hn::Mul(cos_light, SmithRoot(d, cos_view, alpha2)),
+                                           hn::Mul(cos_view, SmithRoot(d, cos_light, alpha2))));
+}
+
+/// G2/G1(view): of light that visible microfacets reflect, the share that gets out.
+/// Domain: cos_view in (0, 1], cos_out <= 1; exactly 0 for cos_out <= 0: below the surface.
+template <class D, class V>
+HWY_INLINE V SmithReflectedShare(D d, V cos_view, V cos_out, V alpha2) {
+  const V root_view = SmithRoot(d, cos_view, alpha2);
+  const V out = hn::Max(cos_out, hn::Zero(d));
+  return hn::Div(hn::Mul(out, hn::Add(cos_view, root_view)),
+                 hn::Add(hn::Mul(out, root_view), hn::Mul(cos_view, SmithRoot(d, out, alpha2))));
+}
+
+/// G1(out): of light that visible microfacets refract, the share that gets out on the other side,
+/// where heights are independent.
+/// Domain: cos_out <= 1, with the normal of the other side; exactly 0 for cos_out <= 0.
+template <class D, class V>
+HWY_INLINE V SmithRefractedShare(D d, V cos_out, V alpha2) {
+  const V out = hn::Max(cos_out, hn::Zero(d));
+  return hn::Div(hn::Add(out, out), hn::Add(out, SmithRoot(d, out, alpha2)));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace abbe
+HWY_AFTER_NAMESPACE();
+
+#endif  // ABBE_OPTICS_MICROFACET_INL_H_

@@ -23,12 +23,12 @@ namespace abbe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// How microfacet normals are spread: D, in sr⁻¹.
-/// Domain: cos_half in [0, 1], alpha2 = alpha² > 0.
+/// How microfacet normals are spread: D, in sr⁻¹. Of the sine, not the cosine, which loses narrow
+/// lobes to rounding.
+/// Domain: sin2_half = sin² of the angle of the microfacet in [0, 1], alpha2 = alpha² > 0.
 template <class D, class V>
-HWY_INLINE V GgxDistribution(D d, V cos_half, V alpha2) {
-  const V one = hn::Set(d, 1.0f);
-  const V bracket = hn::Add(hn::Mul(hn::Mul(cos_half, cos_half), hn::Sub(alpha2, one)), one);
+HWY_INLINE V GgxDistribution(D d, V sin2_half, V alpha2) {
+  const V bracket = hn::Add(alpha2, hn::Mul(sin2_half, hn::Sub(hn::Set(d, 1.0f), alpha2)));
   return hn::Div(hn::Mul(alpha2, hn::Set(d, static_cast<float>(1.0 / kPi))),
                  hn::Mul(bracket, bracket));
 }

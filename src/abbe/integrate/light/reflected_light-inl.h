@@ -32,14 +32,14 @@ HWY_INLINE VecOf<D> RoughLobe(D d, const LitSurface& surface, int i, const Vec3O
   const auto view = Load3(d, surface.where.hit.direction, i);
   const Vec3Of<D> to_view{hn::Neg(view.x), hn::Neg(view.y), hn::Neg(view.z)};
   const auto half = Normalized3(d, Combine3(d, one, to_light, one, to_view));
-  const auto cos_half = hn::Min(hn::Max(Dot3(d, normal, half), zero), one);
+  const auto across = Combine3(d, one, half, hn::Neg(Dot3(d, normal, half)), normal);
   const auto cos_view_half = hn::Min(hn::Max(Dot3(d, to_view, half), zero), one);
   const auto cos_view = hn::Max(hn::Load(d, answer.cos_incident.v + i), hn::Set(d, kLeastCosine));
   const auto roughness = hn::Max(hn::Load(d, at.roughness.v + i), hn::Set(d, kSmoothRoughness));
   const auto alpha = hn::Mul(roughness, roughness);
   const auto alpha2 = hn::Mul(alpha, alpha);
   const auto lobe =
-      hn::Mul(GgxDistribution(d, cos_half, alpha2),
+      hn::Mul(GgxDistribution(d, Dot3(d, across, across), alpha2),
               SmithVisibility(d, cos_view, hn::Max(cos_light, hn::Set(d, 1e-6f)), alpha2));
   const auto fresnel =
       SharesAt(d, surface.rows, at, i, hn::Load(d, answer.eta_ti.v + i), cos_view_half).reflected;

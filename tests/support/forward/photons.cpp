@@ -25,7 +25,7 @@ struct FaceSet {
     faces[count++] = static_cast<std::uint16_t>(face);
   }
   void add(const FaceSet& more) {
-    for (std::size_t face : more) add(face);
+    for (const std::size_t face : more) add(face);
   }
   bool contains(std::size_t face) const { return std::find(begin(), end(), face) != end(); }
   bool empty() const { return count == 0; }
@@ -50,7 +50,7 @@ struct Photon {
   Vec3d from{0.0}, direction{0.0};
   double power = 0.0;
   std::uint64_t inside = 0;  ///< Bits of the dielectrics that it is in.
-  FaceSet left;              ///< It stands on them.
+  FaceSet left;              ///< All that lie where it starts.
   /// In the thin gap between faces of dielectrics and what is opaque.
   FaceSet gap;
   std::size_t gap_opaque = 0;
@@ -212,7 +212,6 @@ class Follower {
       photon.power = kept;
     }
     photon.from += t * photon.direction;
-    photon.left = {};
     meet(photon, first);
   }
 
@@ -223,10 +222,12 @@ class Follower {
   }
 
   /// What lies at one place, in the order in which the photon meets it.
-  void meet(const Photon& photon, std::size_t first) {
+  void meet(Photon photon, std::size_t first) {
     FaceSet leaving, entering;
     std::optional<std::size_t> opaque;
+    photon.left = {};
     const auto sort = [&](std::size_t f) {
+      photon.left.add(f);
       if (!is_glass(face(f).body))
         opaque = f;
       else if (glm::dot(face(f).normal, photon.direction) > 0.0)
@@ -236,7 +237,7 @@ class Follower {
     };
     sort(first);
     for (const std::size_t f : face(first).contacts)
-      if (!photon.left.contains(f) && face(f).holds(photon.from)) sort(f);
+      if (face(f).holds(photon.from)) sort(f);
     if (!opaque) {
       leaving.add(entering);
       cross(photon, leaving, std::nullopt);
@@ -268,8 +269,6 @@ class Follower {
       through.inside ^= bit;
     }
     Photon back = photon;
-    back.left = through.left = faces;
-    if (!photon.gap.empty()) back.left.add(photon.gap_opaque);
     if (opaque) {
       through.gap = faces;
       through.gap_opaque = *opaque;
@@ -320,8 +319,6 @@ class Follower {
       photon.power = kept;
     }
     photon.direction = glm::normalize(photon.direction + 2.0 * cos_i * normal);
-    photon.left = photon.gap;
-    photon.left.add(f);
     waiting_.push_back(photon);
   }
 

@@ -92,6 +92,7 @@ struct OpticalSetup {
   Rectangle receiver;   ///< On a wall. Its front is what is measured.
   Vec2i cells{2, 2};    ///< Of the receiver, rows from +y to −y.
   double eye_m = 0.01;  ///< Height over the receiver from which a camera sees it, through air.
+  int samples = 16;     ///< Camera samples a cell that its edges of light ask for.
   Rectangle aim;        ///< All light that matters comes from the lamp through here first.
   double unit = 1.0;    ///< Irradiance that figures are stated in.
 

@@ -126,6 +126,7 @@ OpticalSetup vessel_of_water(LampKind kind) {
   setup.add("vessel", cup({0, 0, 0}, {0.06, 0.06, 0.06}, {0.052, 0.052}, -0.05), kGlass);
   setup.add("water", box({0, -0.01, 0}, {0.052, 0.04, 0.052}), kWet);
   setup.aim = facing_back(on_the_way(setup.lamp, {0, 0, 0}, -0.1), 0.12);
+  setup.samples = 1024;
   return setup;
 }
 
@@ -176,6 +177,7 @@ OpticalSetup prism(LampKind kind) {
   setup.lamp.position.y = -0.15;
   setup.receiver = facing_back({0.5, -0.28, 0.02}, 0.06);
   setup.aim = {{-0.1, 0.01, 0}, {0, 0, 0.12}, {0, 0.08, 0}};
+  setup.samples = 1024;
   return setup;
 }
 
@@ -187,6 +189,7 @@ OpticalSetup prism_in_water(LampKind kind) {
   setup.lamp.position.y = -0.15;
   setup.receiver = facing_back({0.5, -0.2, 0.02}, 0.06);
   setup.aim = {{-0.13, 0.055, 0}, {0, 0, 0.17}, {0, 0.12, 0}};
+  setup.samples = 1024;
   return setup;
 }
 
@@ -212,6 +215,7 @@ OpticalSetup corner_cube(LampKind kind) {
   // Its upper edge lets light pass to the cube; what comes back falls below it.
   setup.add("wall", wall({0.45, 0.0675 - 0.3, 0}, {0.3, 0.6}), Wall{});
   setup.aim = facing_back({0.01, 0.0015, 0.0003}, 0.045);
+  setup.samples = 1024;
   return setup;
 }
 
@@ -229,6 +233,7 @@ OpticalSetup diamond(LampKind kind) {
   add_gem(setup);
   look_behind(setup, {0, 0, 0}, 0.2);
   setup.aim = facing_back(on_the_way(setup.lamp, {0, 0, 0}, -0.15), 0.25);
+  setup.samples = 1024;
   return setup;
 }
 
@@ -241,6 +246,7 @@ OpticalSetup diamond_over_floor(LampKind kind) {
   setup.receiver = {{-0.1, -0.35, 0}, {0.3, 0, 0}, {0, 0, -0.3}};
   setup.add("floor", {Rectangle{{0, -0.35, 0}, {0.6, 0, 0}, {0, 0, -0.6}}.face()}, Wall{});
   setup.aim = facing_back(on_the_way(setup.lamp, {0, 0, 0}, -0.12), 0.13);
+  setup.samples = 1024;
   return setup;
 }
 
@@ -253,6 +259,7 @@ OpticalSetup cube_on_floor(LampKind kind) {
   setup.add("cube", box({0, 0.03, 0}, {0.03, 0.03, 0.03}), kGlass);
   setup.eye_m = 0.005;
   setup.aim = {{-0.02, 0.07, 0}, {0.06, 0, 0}, {0, 0, 0.05}};
+  setup.samples = 1024;
   return setup;
 }
 
@@ -290,6 +297,9 @@ const Named kSetups[] = {
     {"cube_on_floor", cube_on_floor},
 };
 
+const std::pair<LampKind, const char*> kLamps[] = {{LampKind::Directional, "_sun"},
+                                                   {LampKind::Point, "_point"}};
+
 }  // namespace
 
 OpticalSetup before_wall(LampKind kind) {
@@ -312,20 +322,22 @@ OpticalSetup panes(LampKind kind, int count, double gap_m) {
   return setup;
 }
 
-std::vector<OpticalSetup> optical_setups() {
-  std::vector<OpticalSetup> setups;
-  for (const Named& named : kSetups) {
-    for (const LampKind kind : {LampKind::Directional, LampKind::Point}) {
-      setups.push_back(named.make(kind));
-      setups.back().name = std::string(named.name) + (kind == LampKind::Point ? "_point" : "_sun");
-    }
-  }
-  return setups;
+std::vector<std::string> optical_setup_names() {
+  std::vector<std::string> names;
+  for (const Named& named : kSetups)
+    for (const auto& [kind, suffix] : kLamps) names.push_back(std::string(named.name) + suffix);
+  return names;
 }
 
 OpticalSetup optical_setup(const std::string& name) {
-  for (const OpticalSetup& setup : optical_setups())
-    if (setup.name == name) return setup;
+  for (const Named& named : kSetups) {
+    for (const auto& [kind, suffix] : kLamps) {
+      if (named.name + std::string(suffix) != name) continue;
+      OpticalSetup setup = named.make(kind);
+      setup.name = name;
+      return setup;
+    }
+  }
   throw std::invalid_argument("no optical setup " + name);
 }
 

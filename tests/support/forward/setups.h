@@ -8,9 +8,9 @@
 
 namespace abbe::test {
 
-/// All of them, each under a directional lamp ("…_sun") and a point lamp ("…_point").
-std::vector<OpticalSetup> optical_setups();
-/// The one of a name. Errors: std::invalid_argument.
+/// Names of all of them, each under a directional lamp ("…_sun") and a point lamp ("…_point").
+std::vector<std::string> optical_setup_names();
+/// Errors: std::invalid_argument for a name that is none of these.
 OpticalSetup optical_setup(const std::string& name);
 
 /// A wall at x = 0.5 m, lit from −X, a little from below.

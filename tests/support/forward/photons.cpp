@@ -375,7 +375,7 @@ void send_batch(Follower& follower, const OpticalSetup& setup, double reach,
   Chance shift{options.seed * 0x100000001b3ull + batch};
   const double shift_x = shift.draw();
   const double shift_y = shift.draw();
-  const std::uint64_t photons = options.photons / kBatches;
+  const std::uint64_t photons = options.photons.value_or(setup.photons) / kBatches;
   for (std::uint64_t i = 0; i < photons; ++i) {
     // Roberts' sequence, powers of the inverse plastic number, shifted for each batch.
     const double u = std::fmod(shift_x + static_cast<double>(i) * 0.7548776662466927, 1.0);

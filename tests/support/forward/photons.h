@@ -16,7 +16,7 @@ namespace abbe::test {
 
 struct PhotonOptions {
   double wavelength_nm = 550.0;
-  std::uint64_t photons = 100000;
+  std::optional<std::uint64_t> photons = {};  ///< None: as many as the setup says.
   /// Shares of a photon below this are no longer split at an interface: one of the two ways is
   /// drawn by chance instead.
   double split_share = 0.05;

@@ -127,12 +127,22 @@ OpticalSetup vessel_of_water(LampKind kind) {
   setup.add("water", box({0, -0.01, 0}, {0.052, 0.04, 0.052}), kWet);
   setup.aim = facing_back(on_the_way(setup.lamp, {0, 0, 0}, -0.1), 0.12);
   setup.samples = 1024;
+  setup.photons = 400000;
   return setup;
 }
 
 OpticalSetup vessel_with_rod(LampKind kind) {
   OpticalSetup setup = vessel_of_water(kind);
   setup.add("rod", hexagonal_rod(0.012, -0.045, 0.02), kGlass);
+  return setup;
+}
+
+/// A rod that reaches out of the water and owns the space where it is in it.
+OpticalSetup vessel_with_stirrer(LampKind kind) {
+  OpticalSetup setup = vessel_of_water(kind);
+  Dielectric glass = kGlass;
+  glass.priority = 1;
+  setup.add("stirrer", hexagonal_rod(0.012, -0.045, 0.1), glass);
   return setup;
 }
 
@@ -146,6 +156,7 @@ OpticalSetup mirror_then_pane(LampKind kind) {
   setup.receiver.center = {0.5, 0.0, 0.03};
   set_unit(setup, 1.9);
   setup.aim = {{-0.2, 0.2, 0.0}, {0.1, 0, 0}, {0, 0, 0.1}};
+  setup.photons = 300000;
   return setup;
 }
 
@@ -161,6 +172,7 @@ OpticalSetup periscope(LampKind kind) {
   setup.receiver = facing_back({0.5, 0.32, 0.02}, 0.03);
   set_unit(setup, 1.8);
   setup.aim = facing_back(on_the_way(setup.lamp, {0, 0, 0}, -0.2), 0.1);
+  setup.photons = 300000;
   return setup;
 }
 
@@ -216,6 +228,7 @@ OpticalSetup corner_cube(LampKind kind) {
   setup.add("wall", wall({0.45, 0.0675 - 0.3, 0}, {0.3, 0.6}), Wall{});
   setup.aim = facing_back({0.01, 0.0015, 0.0003}, 0.045);
   setup.samples = 1024;
+  setup.photons = 600000;
   return setup;
 }
 
@@ -247,6 +260,7 @@ OpticalSetup diamond_over_floor(LampKind kind) {
   setup.add("floor", {Rectangle{{0, -0.35, 0}, {0.6, 0, 0}, {0, 0, -0.6}}.face()}, Wall{});
   setup.aim = facing_back(on_the_way(setup.lamp, {0, 0, 0}, -0.12), 0.13);
   setup.samples = 1024;
+  setup.photons = 800000;
   return setup;
 }
 
@@ -260,6 +274,7 @@ OpticalSetup cube_on_floor(LampKind kind) {
   setup.eye_m = 0.005;
   setup.aim = {{-0.02, 0.07, 0}, {0.06, 0, 0}, {0, 0, 0.05}};
   setup.samples = 1024;
+  setup.photons = 800000;
   return setup;
 }
 
@@ -287,6 +302,7 @@ const Named kSetups[] = {
     {"aquarium", aquarium},
     {"vessel_of_water", vessel_of_water},
     {"vessel_with_rod", vessel_with_rod},
+    {"vessel_with_stirrer", vessel_with_stirrer},
     {"mirror_then_pane", mirror_then_pane},
     {"periscope", periscope},
     {"prism", prism},

@@ -51,6 +51,7 @@ TEST(Recipe, of_a_file_has_the_settings_that_made_it) {
   settings.max_depth = 3;
   settings.cutoff = 0.1;
   settings.drop = true;
+  settings.multiple_scattering = true;
   settings.uplift = Uplift::MallettYuksel;
   settings.caustics = false;
   settings.inner_reflections = 4;
@@ -72,6 +73,7 @@ TEST(Recipe, of_a_file_has_the_settings_that_made_it) {
   EXPECT_EQ(read.max_depth, 3);
   EXPECT_EQ(read.cutoff, 0.1);
   EXPECT_TRUE(read.drop);
+  EXPECT_TRUE(read.multiple_scattering);
   EXPECT_EQ(read.uplift, Uplift::MallettYuksel);
   EXPECT_FALSE(read.caustics);
   EXPECT_EQ(read.inner_reflections, 4);

@@ -21,6 +21,8 @@ struct IntegratorSettings {
   int max_depth = 16;    ///< Most surfaces a path may leave.
   float cutoff = 1e-4f;  ///< Weight below which a fan no longer branches, 0 to branch always.
   bool drop = false;     ///< Whitted's plain rule: below the cutoff a fan ends, its energy is lost.
+  /// Whether rough metals give back what single scattering on their microfacets loses.
+  bool multiple_scattering = false;
   /// For heat maps: whether the work of each sample is counted, every ray by itself.
   bool counts_cost = false;
   /// For comparison only: 0 lets spread fans travel as packets. Otherwise a fan that would spread

@@ -24,6 +24,7 @@ struct LitSurface {
   const SurfaceAnswer& answer;
   const LaneArray& throughput;
   bool has_rough_lobe = false;
+  const ReboundLanes* rebound = nullptr;  ///< Of a rough metal, if it has that lobe.
 };
 
 }  // namespace abbe

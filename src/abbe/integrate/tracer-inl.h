@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "abbe/integrate/branching-inl.h"
@@ -24,6 +25,7 @@
 #include "abbe/integrate/surface/material_lanes-inl.h"
 #include "abbe/integrate/surface/material_sample.h"
 #include "abbe/integrate/surface/microfacet_lanes-inl.h"
+#include "abbe/integrate/surface/rebound-inl.h"
 #include "abbe/math/random.h"
 #include "abbe/optics/absorption-inl.h"
 
@@ -176,15 +178,25 @@ class Tracer {
     if (hidden) return branching_.branch(where, throughput, answer, next);
 
     const bool rough = at.roughness[leader] >= kSmoothRoughness;
-    if (rough || scatters(answer)) lamps_.send({where, at, rows, answer, throughput, rough});
+    std::optional<ReboundLanes> rebound;
+    if (rough && settings_.multiple_scattering && at.metallic[leader] > 0.0f) {
+      rebound = ReboundAt(d, stride_, rows, at, answer);
+    }
+    if (rough || scatters(answer)) {
+      lamps_.send({where, at, rows, answer, throughput, rough, rebound ? &*rebound : nullptr});
+    }
     // The coherent ray of a rough opaque dielectric is a faint blur that its lobe stands for.
     const bool coherent = !rough || at.metallic[leader] > 0.0f || at.transmission[leader] > 0.0f;
     if (!coherent) return;
     if (!rough) return branching_.branch(where, throughput, answer, next);
-    const MicrofacetLanes facets =
-        SampleMicrofacets(d, stride_, hit, at.roughness, fan.spread, facet_choice(fan));
-    branching_.branch(where, throughput, AnswerOf(d, stride_, change, rows, hit, at, &facets),
-                      next);
+    const MicrofacetLanes facets = SampleMicrofacets(d, stride_, hit, at.roughness, fan.spread,
+                                                     chance_of(fan, Purpose::Microfacet));
+    SurfaceAnswer about_facets = AnswerOf(d, stride_, change, rows, hit, at, &facets);
+    if (rebound) {
+      const Vec2f u = chance_of(fan, Purpose::Rebound);
+      ChooseRebound(d, stride_, hit, facets, *rebound, u, about_facets);
+    }
+    branching_.branch(where, throughput, about_facets, next);
   }
 
   bool is_in_fog(const Fan& fan) const { return world_.fog && fan.media.empty(); }
@@ -221,9 +233,8 @@ class Tracer {
     }
   }
 
-  // The random choice of a microfacet.
-  Vec2f facet_choice(const Fan& fan) const {
-    return random_2d(samples_[fan.sample].chance, fan.path, Purpose::Microfacet);
+  Vec2f chance_of(const Fan& fan, Purpose purpose) const {
+    return random_2d(samples_[fan.sample].chance, fan.path, purpose);
   }
 
   void keep_albedo(const Fan& fan, const LaneArray& base_color) const {

@@ -29,8 +29,9 @@ enum class Purpose : std::uint8_t {
   LightPoint,   ///< 2D. Where on a lamp with an area; an item is a lamp.
   Environment,  ///< 2D. A direction of light from all around.
   Phase,        ///< 2D. Where fog scatters to.
+  Rebound,      ///< 2D. Whether light goes on among microfacets, and where it leaves them.
 };
-inline constexpr int kPurposes = static_cast<int>(Purpose::Phase) + 1;
+inline constexpr int kPurposes = static_cast<int>(Purpose::Rebound) + 1;
 
 /// What all random numbers of a camera sample share.
 struct SampleChance {

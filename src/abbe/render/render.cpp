@@ -322,6 +322,7 @@ IntegratorSettings integrator_settings(const RenderSettings& settings) {
   return {.max_depth = settings.max_depth,
           .cutoff = static_cast<float>(settings.cutoff),
           .drop = settings.drop,
+          .multiple_scattering = settings.multiple_scattering,
           .counts_cost =
               std::find(settings.aovs.begin(), settings.aovs.end(), "cost") != settings.aovs.end(),
           .cluster_lanes = settings.cluster_lanes,

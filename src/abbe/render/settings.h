@@ -28,11 +28,12 @@ struct RenderSettings {
   double cutoff = 1e-4;              ///< Weight below which a fan no longer branches.
   bool drop = false;  ///< End such fans instead of following one child; loses energy.
   Uplift uplift = Uplift::JakobHanika;  ///< Of the scene's RGB colours, in spectral mode.
-  bool caustics = true;           ///< Light bent by flat facets exactly; else straight shadow rays.
-  int inner_reflections = 1;      ///< Of a chain of facets, in one body.
-  std::uint32_t seed = 0;         ///< Of the sampling pattern.
-  std::vector<std::string> aovs;  ///< Groups of extra channels, of aov_names().
-  int threads = 0;                ///< 0: all cores. Never shapes the image.
+  bool caustics = true;       ///< Light bent by flat facets exactly; else straight shadow rays.
+  int inner_reflections = 1;  ///< Of a chain of facets, in one body.
+  bool multiple_scattering = false;    ///< Of rough metals, among their microfacets.
+  std::uint32_t seed = 0;              ///< Of the sampling pattern.
+  std::vector<std::string> aovs;       ///< Groups of extra channels, of aov_names().
+  int threads = 0;                     ///< 0: all cores. Never shapes the image.
   std::string accelerator = "kdtree";  ///< One of accelerator_names(). Never shapes the image.
   CauseSet frozen;                     ///< Held as the mode `rgb` has them; spectral mode only.
   int cluster_lanes = 0;               ///< IntegratorSettings::cluster_lanes: benchmarks only.

@@ -118,9 +118,13 @@ RenderSettings settings_of(const Reader& read) {
   read.get("cutoff", settings.cutoff);
   settings.caustics = read.text("caustics") != "off";
   read.get("chain", settings.inner_reflections);
-  int drop = 0;
-  read.get("drop", drop);
-  settings.drop = drop == 1;
+  const auto is_on = [&read](const char* name) {
+    int value = 0;
+    read.get(name, value);
+    return value == 1;
+  };
+  settings.drop = is_on("drop");
+  settings.multiple_scattering = is_on("multipleScattering");
   if (const std::vector<double> seed = read.numbers("seed", ','); seed.size() == 1) {
     settings.seed = static_cast<std::uint32_t>(seed.front());
   }
@@ -225,6 +229,7 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
   out["abbe:caustics"] = std::string(settings.caustics ? "exact" : "off");
   out["abbe:chain"] = settings.inner_reflections;
   out["abbe:drop"] = settings.drop ? 1 : 0;
+  if (settings.multiple_scattering) out["abbe:multipleScattering"] = 1;
   out["abbe:seed"] = fmt::format("{}", settings.seed);
   if (!settings.frozen.empty()) out["abbe:freeze"] = causes_text(settings.frozen);
   if (!settings.aovs.empty()) out["abbe:aov"] = fmt::format("{}", fmt::join(settings.aovs, ","));

@@ -56,6 +56,9 @@ void add_view_options(CLI::App& command, SceneOptions& options) {
   add_number(command, "--chain", settings.inner_reflections, "N",
              fmt::format("most reflections inside a body on a path from a lamp (default: {})",
                          settings.inner_reflections));
+  command.add_flag("--multiple-scattering", settings.multiple_scattering,
+                   "rough metals give back what meets more than one microfacet (default: it is "
+                   "lost, as in glTF's model)");
   add_number(command, "--seed", settings.seed, "N", "of the sampling pattern (default: 0)");
   add_shown(command, "--accel", settings.accelerator, "NAME",
             fmt::format("what finds where rays meet surfaces: {}; shapes no image (default: {})",

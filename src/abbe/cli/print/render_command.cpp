@@ -101,6 +101,7 @@ std::string render_command(const Recipe& recipe) {
   }
   command.add_given("--camera", recipe.scene.camera);
   command.add_flag("--drop", settings.drop);
+  command.add_flag("--multiple-scattering", settings.multiple_scattering);
   add_form(recipe, command);
   return command.text();
 }

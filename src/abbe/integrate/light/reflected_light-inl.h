@@ -13,6 +13,7 @@
 #include "abbe/integrate/lit_surface.h"
 #include "abbe/integrate/surface/answer-inl.h"
 #include "abbe/optics/microfacet-inl.h"
+#include "abbe/optics/microfacet_loss.h"
 #include "abbe/world/lights.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -46,6 +47,19 @@ HWY_INLINE VecOf<D> RoughLobe(D d, const LitSurface& surface, int i, const Vec3O
   return hn::Mul(fresnel, lobe);
 }
 
+/// The lobe f_r of light that a rough metal scatters more than once, in the lanes from i on.
+template <class D>
+HWY_INLINE VecOf<D> ReboundLobe(D d, const ReboundLanes& rebound, int i, VecOf<D> cos_light) {
+  LaneArray cosine, light_loss;
+  hn::Store(cos_light, d, cosine.v);
+  for (int k = 0; k < static_cast<int>(hn::Lanes(d)); ++k) {
+    light_loss[k] = MicrofacetLoss::table().at(cosine[k], rebound.alpha[i + k]);
+  }
+  const auto losses = hn::Mul(hn::Load(d, rebound.view_loss.v + i), hn::Load(d, light_loss.v));
+  return hn::Mul(hn::Mul(hn::Load(d, rebound.factor.v + i), losses),
+                 hn::Set(d, static_cast<float>(1.0 / kPi)));
+}
+
 /// Light that would reach the camera by direct reflection of what arrives from a lamp, per lane,
 /// before visibility: throughput/n² · E · f_r · cosθ.
 template <class D>
@@ -69,6 +83,9 @@ HWY_INLINE void ReflectLight(D d, int stride, const LitSurface& surface,
     auto reflected = hn::Mul(hn::Load(d, answer.diffuse.v + i), inverse_pi);
     if (surface.has_rough_lobe) {
       reflected = hn::Add(reflected, RoughLobe(d, surface, i, normal, to_light, cos_light));
+    }
+    if (surface.rebound != nullptr) {
+      reflected = hn::Add(reflected, ReboundLobe(d, *surface.rebound, i, cos_light));
     }
     const auto arriving = hn::Mul(hn::Load(d, geometry.irradiance.v + i), cos_light);
     const auto throughput =

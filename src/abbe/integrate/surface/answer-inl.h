@@ -148,6 +148,17 @@ HWY_INLINE CoherentRays<D> SmoothRays(D d, const Arrival<D>& arrival, VecOf<D> c
   return {Normalized3(d, reflected), Normalized3(d, refracted), one, one};
 }
 
+/// Of light that a microfacet reflects, the share that its neighbours let by.
+template <class D>
+HWY_INLINE VecOf<D> LetBy(D d, const Arrival<D>& arrival, const Vec3Of<D>& facet,
+                          const Vec3Of<D>& reflected, VecOf<D> alpha) {
+  const auto cos_view =
+      hn::Max(hn::Neg(Dot3(d, arrival.direction, arrival.shading)), hn::Set(d, kLeastCosine));
+  const auto share =
+      SmithReflectedShare(d, cos_view, Dot3(d, reflected, arrival.shading), hn::Mul(alpha, alpha));
+  return hn::IfThenElseZero(hn::Lt(Dot3(d, arrival.direction, facet), hn::Zero(d)), share);
+}
+
 /// Those of a microfacet: what would lead to the wrong side carries nothing, of the rest what its
 /// neighbours let by. A thin sheet sends behind it the mirror image of what it reflects.
 /// Source: Heitz & d'Eon, Importance Sampling Microfacet-Based BSDFs, EGSR 2014: the weights;
@@ -159,19 +170,15 @@ HWY_INLINE CoherentRays<D> FacetRays(D d, const Arrival<D>& arrival, const Vec3O
   const auto& [direction, facing, normal] = arrival;
   const auto one = hn::Set(d, 1.0f);
   const auto zero = hn::Zero(d);
-  const auto alpha2 = hn::Mul(alpha, alpha);
-  const auto cos_view = hn::Max(hn::Neg(Dot3(d, direction, normal)), hn::Set(d, kLeastCosine));
   const auto cosine = hn::Neg(Dot3(d, direction, facet));
-  const auto is_seen = hn::Gt(cosine, zero);
 
   CoherentRays<D> rays;
   rays.reflected = Normalized3(d, ReflectedDirection(d, direction, facet, cosine));
-  const auto cos_out = Dot3(d, rays.reflected, normal);
-  const auto let_by =
-      hn::IfThenElseZero(is_seen, SmithReflectedShare(d, cos_view, cos_out, alpha2));
+  const auto let_by = LetBy(d, arrival, facet, rays.reflected, alpha);
   rays.reflected_share = hn::IfThenElseZero(hn::Gt(Dot3(d, rays.reflected, facing), zero), let_by);
   if (is_sheet) {
-    rays.refracted = Combine3(d, one, rays.reflected, hn::Mul(hn::Set(d, -2.0f), cos_out), normal);
+    const auto twice_down = hn::Mul(hn::Set(d, -2.0f), Dot3(d, rays.reflected, normal));
+    rays.refracted = Combine3(d, one, rays.reflected, twice_down, normal);
     rays.refracted_share = let_by;
   } else {
     rays.refracted =
@@ -180,7 +187,8 @@ HWY_INLINE CoherentRays<D> FacetRays(D d, const Arrival<D>& arrival, const Vec3O
   rays.refracted = Normalized3(d, rays.refracted);
   if (!is_sheet) {
     const auto cos_behind = hn::Neg(Dot3(d, rays.refracted, normal));
-    rays.refracted_share = hn::IfThenElseZero(is_seen, SmithRefractedShare(d, cos_behind, alpha2));
+    rays.refracted_share = hn::IfThenElseZero(
+        hn::Gt(cosine, zero), SmithRefractedShare(d, cos_behind, hn::Mul(alpha, alpha)));
   }
   rays.refracted_share =
       hn::IfThenElseZero(hn::Lt(Dot3(d, rays.refracted, facing), zero), rays.refracted_share);

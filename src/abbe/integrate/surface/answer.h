@@ -25,6 +25,14 @@ struct MicrofacetLanes {
   LaneArray alpha;  ///< roughness².
 };
 
+/// The lobe of light that rough metals scatter among their microfacets more than once:
+/// factor · view_loss · (loss towards the light)/π, losses as of optics/microfacet_loss.h.
+struct ReboundLanes {
+  LaneArray factor;  ///< F_ms over the mean loss, times the metallic part.
+  LaneArray view_loss;
+  LaneArray alpha;
+};
+
 /// What a boundary between media is made of: rows of lanes; null means index 1, no row.
 struct BoundaryRows {
   bool index_is_infinite = false;  ///< The dielectric part reflects everything.
@@ -48,7 +56,8 @@ struct Lobe {
   bool spreads = false;     ///< Lanes that arrived together part.
   MediumStack media;        ///< That its rays are in.
   LaneArray3 direction;     ///< Unit length, away from the surface.
-  LaneArray share;          ///< In [0, 1]; that of all lobes adds up to at most 1.
+  /// In [0, 1], and that of all lobes adds up to at most 1; of lobes taken by chance, in the mean.
+  LaneArray share;
 };
 
 /// What a surface does to the light of a group of lanes.

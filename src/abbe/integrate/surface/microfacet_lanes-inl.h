@@ -17,6 +17,11 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
+inline float AlphaOf(float roughness) {
+  const float rough = std::max(roughness, kSmoothRoughness);
+  return rough * rough;
+}
+
 /// One microfacet normal, drawn once for all lanes among those visible from where they come from.
 /// Domain: u in [0, 1)².
 template <class D>
@@ -30,8 +35,7 @@ MicrofacetLanes SampleMicrofacets(D d, int stride, const SurfaceHit& hit,
   const int last = spread ? stride : 1;
   for (int lane = 0; lane < last; ++lane) {
     const int source = hit.lanes.test(lane) ? lane : hit.lanes.front();
-    const float rough = std::max(roughness[source], kSmoothRoughness);
-    facets.alpha[lane] = rough * rough;
+    facets.alpha[lane] = AlphaOf(roughness[source]);
     const Basis basis(shading.get(source));
     Vec3f view = basis.to_local(-hit.direction.get(source));
     view.z = std::max(view.z, kLeastCosine);

@@ -3,22 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
-#include <map>
 #include <optional>
 #include <span>
-#include <tuple>
 #include <utility>
 
+#include "abbe/caustics/flat/mesh_facets.h"
 #include "abbe/math/polygon.h"
 
 namespace abbe {
 namespace {
-
-/// Directions closer than this are one: 0.06°, far below what bends light visibly.
-constexpr double kSameDirection = 1e-6;
 
 enum class Kind { None, Glass, Mirror };
 
@@ -76,7 +71,9 @@ void finish(FlatBodies& found, FlatBody& body, std::vector<Facet> facets) {
 }
 
 void leave_out(FlatBodies& found, const FlatBody& body, const std::string& why, Notes& notes) {
-  notes.warn(body.name, "light through it goes straight: " + why);
+  notes.warn(body.name, (body.is_mirror ? "light of lamps that it reflects is left out: "
+                                        : "light through it goes straight: ") +
+                            why);
   found.fallbacks.push_back(body.name + ": " + why);
 }
 
@@ -116,163 +113,24 @@ std::vector<Facet> facets_of(const ConvexShape& shape, const Mat4d& to_world) {
   return facets;
 }
 
-/// A mesh welded by position and placed, with what is needed to group its triangles.
-class MeshFacets {
- public:
-  MeshFacets(const Mesh& mesh, const Mat4d& to_world) : mesh_(mesh), to_world_(to_world) {}
-
-  // Whether the normals that shade the mesh are those of its triangles.
-  bool is_flat() {
-    weld();
-    if (mesh_.normals.empty()) return true;
-    for (const auto& t : mesh_.triangles) {
-      const Vec3d a(mesh_.positions[t[0]]);
-      const Vec3d normal =
-          glm::cross(Vec3d(mesh_.positions[t[1]]) - a, Vec3d(mesh_.positions[t[2]]) - a);
-      const double length = glm::length(normal);
-      if (!(length > 0.0)) continue;
-      for (const std::uint32_t corner : t) {
-        const Vec3d shading(mesh_.normals[corner]);
-        const double shading_length = glm::length(shading);
-        if (!(shading_length > 0.0)) continue;
-        // Exporters write normals in single precision or less.
-        if (glm::dot(normal, shading) < (1.0 - 1e-4) * length * shading_length) return false;
-      }
-    }
-    return true;
-  }
-
-  bool is_closed() const {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
-    for (const auto& t : triangles_) {
-      for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t a = t[i];
-        const std::uint32_t b = t[(i + 1) % 3];
-        balance[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : 100000;
-      }
-    }
-    return std::all_of(balance.begin(), balance.end(),
-                       [](const auto& edge) { return edge.second == 100001; });
-  }
-
-  std::vector<Facet> facets() const {
-    const std::vector<std::size_t> group = groups();
-    std::map<std::size_t, std::vector<std::size_t>> members;
-    for (std::size_t i = 0; i < group.size(); ++i) members[group[i]].push_back(i);
-    std::vector<Facet> facets;
-    for (const auto& [first, list] : members) add_group(list, facets);
-    return facets;
-  }
-
- private:
-  void weld() {
-    std::map<std::tuple<float, float, float>, std::uint32_t> known;
-    std::vector<std::uint32_t> number;
-    for (const Vec3f& position : mesh_.positions) {
-      // Adding 0 makes −0 and 0 the same place.
-      const auto [entry, is_new] =
-          known.try_emplace({position.x + 0.0f, position.y + 0.0f, position.z + 0.0f},
-                            static_cast<std::uint32_t>(corners_.size()));
-      if (is_new) corners_.push_back(Vec3d(to_world_ * Vec4d(Vec3d(position), 1.0)));
-      number.push_back(entry->second);
-    }
-    const bool mirrored = glm::determinant(Mat3d(to_world_)) < 0.0;
-    for (const auto& t : mesh_.triangles) {
-      std::array<std::uint32_t, 3> welded{number[t[0]], number[t[1]], number[t[2]]};
-      if (mirrored) std::swap(welded[1], welded[2]);
-      if (welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0]) continue;
-      triangles_.push_back(welded);
-    }
-  }
-
-  Vec3d normal_of(std::size_t i) const {
-    const auto& t = triangles_[i];
-    const Vec3d normal =
-        glm::cross(corners_[t[1]] - corners_[t[0]], corners_[t[2]] - corners_[t[0]]);
-    const double length = glm::length(normal);
-    return length > 0.0 ? normal / length : Vec3d(0.0);
-  }
-
-  // Triangles that share an edge and a direction, named by the first of them.
-  std::vector<std::size_t> groups() const {
-    std::vector<std::size_t> group(triangles_.size());
-    for (std::size_t i = 0; i < group.size(); ++i) group[i] = i;
-    const auto root = [&](std::size_t i) {
-      while (group[i] != i) i = group[i];
-      return i;
-    };
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> edges;
-    for (std::size_t i = 0; i < triangles_.size(); ++i) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t a = triangles_[i][k];
-        const std::uint32_t b = triangles_[i][(k + 1) % 3];
-        const auto [entry, is_new] = edges.try_emplace({std::min(a, b), std::max(a, b)}, i);
-        if (is_new) continue;
-        const std::size_t other = entry->second;
-        if (glm::dot(normal_of(i), normal_of(other)) < 1.0 - kSameDirection) continue;
-        const std::size_t r1 = root(i);
-        const std::size_t r2 = root(other);
-        group[std::max(r1, r2)] = std::min(r1, r2);
-      }
-    }
-    for (std::size_t i = 0; i < group.size(); ++i) group[i] = root(i);
-    return group;
-  }
-
-  void add_group(const std::vector<std::size_t>& list, std::vector<Facet>& facets) const {
-    double total_area = 0.0;
-    Vec3d sum(0.0);
-    std::vector<Vec3d> points;
-    for (const std::size_t i : list) {
-      const auto& t = triangles_[i];
-      const Vec3d twice =
-          glm::cross(corners_[t[1]] - corners_[t[0]], corners_[t[2]] - corners_[t[0]]);
-      sum += twice;
-      total_area += 0.5 * glm::length(twice);
-      for (const std::uint32_t corner : t) points.push_back(corners_[corner]);
-    }
-    if (!(total_area > 0.0)) return;
-    const Vec3d normal = glm::normalize(sum);
-    std::vector<Vec3d> hull = convex_hull(points, normal);
-    double distance = 0.0;
-    for (const Vec3d& point : points) distance += glm::dot(normal, point);
-    distance /= static_cast<double>(points.size());
-    const auto add = [&](std::vector<Vec3d> corners) {
-      Facet facet{.normal = normal, .distance = distance, .corners = std::move(corners)};
-      facets.push_back(std::move(facet));
-    };
-    // As large as its hull: the union is convex.
-    if (hull.size() >= 3 && area_of(hull) <= total_area * (1.0 + 1e-6)) {
-      add(std::move(hull));
-      return;
-    }
-    for (const std::size_t i : list) {
-      const auto& t = triangles_[i];
-      add({corners_[t[0]], corners_[t[1]], corners_[t[2]]});
-    }
-  }
-
-  const Mesh& mesh_;
-  const Mat4d to_world_;
-  std::vector<Vec3d> corners_;
-  std::vector<std::array<std::uint32_t, 3>> triangles_;
-};
-
-double size_of(const std::vector<Facet>& facets) {
+// What is nearer than this touches.
+double slack_m(const std::vector<Facet>& facets) {
   Vec3d low(1e300);
   Vec3d high(-1e300);
+  double rounding_m = 0.0;
   for (const Facet& facet : facets) {
     for (const Vec3d& corner : facet.corners) {
       low = glm::min(low, corner);
       high = glm::max(high, corner);
     }
+    rounding_m = std::max(rounding_m, facet.rounding_m);
   }
-  return glm::distance(low, high);
+  return 1e-6 * glm::distance(low, high) + 2.0 * rounding_m;
 }
 
 // Whether an edge of one facet goes through the inside of another.
 bool meets_itself(const std::vector<Facet>& facets) {
-  const double slack = 1e-6 * size_of(facets);
+  const double slack = slack_m(facets);
   for (const Facet& facet : facets) {
     for (std::size_t i = 0; i < facet.corners.size(); ++i) {
       const Vec3d& a = facet.corners[i];
@@ -290,7 +148,7 @@ bool meets_itself(const std::vector<Facet>& facets) {
 }
 
 bool is_convex(const std::vector<Facet>& facets) {
-  const double slack = 1e-6 * size_of(facets);
+  const double slack = slack_m(facets);
   for (const Facet& facet : facets) {
     for (const Facet& other : facets) {
       for (const Vec3d& corner : other.corners) {
@@ -314,7 +172,7 @@ MeshOutcome mesh_outcome(const Mesh& mesh, const MeshFacets& mesh_facets, bool i
     return {{}, fmt::format("it has {} triangles", mesh.triangles.size())};
   }
   std::vector<Facet> facets = mesh_facets.facets();
-  if (facets.size() > kMaxFacets) {
+  if (!is_mirror && facets.size() > kMaxFacets) {
     return {{}, fmt::format("it has {} facets, more than {}", facets.size(), kMaxFacets)};
   }
   if (is_mirror || facets.empty()) return {std::move(facets), ""};
@@ -356,7 +214,7 @@ void add_instance(const Scene& scene, std::uint32_t number, Notes& notes, FlatBo
   }
   if (outcome.trouble.empty()) {
     finish(found, body, std::move(outcome.facets));
-  } else if (!body.is_mirror) {
+  } else {
     leave_out(found, body, outcome.trouble, notes);
   }
 }

@@ -18,6 +18,7 @@ struct Facet {
   std::vector<Vec3d> corners;   ///< Counter-clockwise seen from outside.
   Vec3d center{0.0};            ///< Of a sphere about the corners.
   double radius_m = 0.0;
+  double rounding_m = 0.0;  ///< How far its corners may be off it, or the numbers of a file off.
   std::uint32_t body = 0;
 };
 

@@ -24,27 +24,32 @@ struct ParallelChain : ChainPath {
   Vec3f bound_axis{0.0f, 0.0f, 1.0f};
   float bound_tan = 0.0f;  ///< Of its half angle.
   std::size_t side_count = 0;
+  /// In ParallelChains::rows: the weights of all sets, then the directions and sides of each; off
+  /// mirrors alone those of one set, which are those of all.
   std::size_t rows = 0;
+  bool bends = true;  ///< It passes a refraction.
 
-  std::size_t array_count() const { return 1 + 3 * steps.size() + 4 * side_count; }
+  std::size_t geometry_arrays() const { return 3 * steps.size() + 4 * side_count; }
+  std::size_t array_count(std::size_t sets) const {
+    return sets + (bends ? sets : 1) * geometry_arrays();
+  }
 };
 
 /// What a chain of parallel light has for each lane of a wavelength set: arrays of lane_stride
 /// floats. Of vectors, y and z follow x a stride apart.
 template <class Float>
 struct ParallelChainRows {
-  Float* first = nullptr;
+  Float* weight = nullptr;  ///< Irradiance over the lamp's; 0 in lanes that no light passes.
+  Float* geometry = nullptr;
   std::size_t stride = 0;
   std::size_t step_count = 0;
 
-  /// Irradiance over the lamp's; 0 in lanes that no light passes.
-  Float* weight() const { return first; }
   /// The direction x, y, z after a step.
-  Float* direction(std::size_t step) const { return first + (1 + 3 * step) * stride; }
+  Float* direction(std::size_t step) const { return geometry + 3 * step * stride; }
   /// A plane of what is lit: normal x, y, z and offset. A point is lit where all normal·x + offset
   /// ≥ 0, x relative to the chain's origin.
   Float* side(std::size_t number) const {
-    return first + (1 + 3 * step_count + 4 * number) * stride;
+    return geometry + (3 * step_count + 4 * number) * stride;
   }
 };
 
@@ -52,18 +57,22 @@ struct ParallelChainRows {
 struct ParallelChains {
   std::vector<ParallelChain> chains;  ///< Largest first.
   std::vector<float> rows;
-  std::size_t lane_stride = 0;
+  std::size_t lane_stride = 0, set_count = 0;
 
   ParallelChainRows<const float> of(const ParallelChain& chain, int set) const {
-    return {rows.data() + place_of(chain, set), lane_stride, chain.steps.size()};
+    return rows_of(rows.data(), chain, static_cast<std::size_t>(set));
   }
   ParallelChainRows<float> of(const ParallelChain& chain, int set) {
-    return {rows.data() + place_of(chain, set), lane_stride, chain.steps.size()};
+    return rows_of(rows.data(), chain, static_cast<std::size_t>(set));
   }
 
  private:
-  std::size_t place_of(const ParallelChain& chain, int set) const {
-    return chain.rows + static_cast<std::size_t>(set) * chain.array_count() * lane_stride;
+  template <class Float>
+  ParallelChainRows<Float> rows_of(Float* all, const ParallelChain& chain, std::size_t set) const {
+    Float* first = all + chain.rows;
+    const std::size_t arrays = set_count + (chain.bends ? set * chain.geometry_arrays() : 0);
+    return {first + set * lane_stride, first + arrays * lane_stride, lane_stride,
+            chain.steps.size()};
   }
 };
 

@@ -119,7 +119,7 @@ class Paths {
     const auto vector_at = [&](const float* row) {
       return Vec3d(at(row, 0), at(row, 1), at(row, 2));
     };
-    const double weight = at(rows.weight(), 0);
+    const double weight = at(rows.weight, 0);
     if (!(weight > 0.0)) return std::nullopt;
     Vec3d place = place_ - Vec3d(chain.origin);
     for (std::size_t side = 0; side < chain.side_count; ++side) {

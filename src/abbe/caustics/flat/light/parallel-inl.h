@@ -74,7 +74,7 @@ class ParallelChainLight {
                                    Set3(d, chain_.origin));
       const auto direction = Load3(d, rays.direction, i);
       auto begin = zero;
-      auto end = hn::IfThenElseZero(hn::Gt(hn::LoadU(d, rows_.weight() + i), zero),
+      auto end = hn::IfThenElseZero(hn::Gt(hn::LoadU(d, rows_.weight + i), zero),
                                     hn::Load(d, rays.end_m.v + i));
       for (std::size_t s = 0; s < chain_.side_count && !hn::AllFalse(d, hn::Lt(begin, end)); ++s) {
         const Side side = side_at(s, i);
@@ -115,7 +115,7 @@ class ParallelChainLight {
     const auto one = hn::Set(d, 1.0f);
     const Vec3f to_pixel = pixel.shift - chain_.origin;
     V3 place = Combine3(d, one, Load3(d, positions, i), one, Set3(d, to_pixel));
-    const V weight = hn::LoadU(d, rows_.weight() + i);
+    const V weight = hn::LoadU(d, rows_.weight + i);
     V irradiance = hn::Mul(weight, hn::LoadU(d, tables_.row(light_.row, set_) + i));
     const M lit = clip_to_lit(hn::Gt(weight, zero), pixel, i, place, irradiance);
     if (hn::AllFalse(d, lit)) {

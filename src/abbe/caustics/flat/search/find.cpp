@@ -20,6 +20,7 @@ struct FoundChains {
 FoundChains find_chains(const Scene& scene, const ChainSearch& search) {
   FoundChains found;
   found.parallel.lane_stride = static_cast<std::size_t>(search.tables.lanes.lane_stride());
+  found.parallel.set_count = static_cast<std::size_t>(search.tables.lanes.set_count());
   double started = 0.0;
   double cut = 0.0;
   for (std::uint32_t number = 0; number < scene.lights.size(); ++number) {

@@ -276,9 +276,10 @@ class Builder {
     chain.side_count = sides + 1;
     chain.largest = static_cast<float>(largest);
     chain.rows = chains_.rows.size();
-    const std::size_t floats = chain.array_count() *
-                               static_cast<std::size_t>(tables_.lanes.set_count()) *
-                               chains_.lane_stride;
+    chain.bends = std::any_of(steps_.begin(), steps_.end(), [](const ChainStep& s) {
+      return s.event == ChainEvent::Enter || s.event == ChainEvent::Leave;
+    });
+    const std::size_t floats = chain.array_count(chains_.set_count) * chains_.lane_stride;
     if (chain.rows + floats > kMaxChainFloats) {
       too_large_ = facets_[steps_.front().facet].body;
       return false;
@@ -302,7 +303,8 @@ class Builder {
             static_cast<std::size_t>(set) * lanes_ + std::min(lane, lanes_ - 1);
         const Bundle& bundle = front.bundles[wave];
         const bool is_lit = lane < lanes_ && !bundle.polygon.empty();
-        rows.weight()[lane] = is_lit ? static_cast<float>(bundle.weight) : 0.0f;
+        rows.weight[lane] = is_lit ? static_cast<float>(bundle.weight) : 0.0f;
+        if (!chain.bends && set > 0) continue;
         std::size_t step = 0;
         for (const Vec3d& d : directions(wave)) put(rows.direction(step++) + lane, d);
         std::vector<Vec4d> sides;

@@ -223,6 +223,27 @@ TEST_F(GltfMesh, invalid_normal_is_replaced_by_its_triangles) {
   EXPECT_THAT(notes_text(), HasSubstr("1 normals"));
 }
 
+TEST_F(GltfMesh, body_of_glass_inside_out_is_turned_with_one_line_that_names_it) {
+  // A tetrahedron that faces inwards.
+  primitive()["attributes"]["POSITION"] =
+      add_accessor(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, "VEC3");
+  primitive()["indices"] =
+      add_accessor(std::vector<std::uint16_t>{0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2}, "SCALAR");
+  document["meshes"][0]["name"] = "gem";
+  // An opaque one has no inside that matters.
+  EXPECT_THAT(load().meshes[0].triangles[0], Corners({0, 1, 2}));
+  EXPECT_EQ(notes_text(), "");
+  material()["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 1.0}};
+  material()["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 1.0}};
+  document["extensionsUsed"] = {"KHR_materials_transmission", "KHR_materials_volume"};
+  document.erase("buffers");
+  EXPECT_THAT(load().meshes[0].triangles[0], Corners({0, 2, 1}));
+  ASSERT_EQ(notes.all().size(), 1u);
+  EXPECT_EQ(notes.all()[0].kind, NoteKind::Warning);
+  EXPECT_THAT(notes.all()[0].where, HasSubstr("/meshes/0/primitives/0"));
+  EXPECT_THAT(notes.all()[0].text, HasSubstr("mesh \"gem\" is inside out: 1 of its 1 closed"));
+}
+
 TEST_F(GltfMesh, attribute_of_another_length_is_an_error) {
   primitive()["attributes"]["NORMAL"] = add_accessor(std::vector<float>{0, 0, 1}, "VEC3");
   EXPECT_THAT(error(), HasSubstr("/meshes/0/primitives/0/attributes/NORMAL"));

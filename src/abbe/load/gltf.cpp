@@ -18,6 +18,7 @@
 #include "abbe/load/gltf/spectra.h"
 #include "abbe/load/gltf/textures.h"
 #include "abbe/scene/colors.h"
+#include "abbe/scene/shells.h"
 #include "abbe/scene/validation.h"
 
 namespace abbe {
@@ -120,6 +121,7 @@ class Placer {
       if (!read) continue;
       read->material = material_index(source.primitives[i].material);
       warn_of_missing_uv(*read, fmt::format("/meshes/{}/primitives/{}", mesh, i));
+      turn_outward(*read, fmt::format("/meshes/{}/primitives/{}", mesh, i));
       for (const Vec3f& position : read->positions) result.bounds.extend(position);
       result.triangles += read->triangles.size();
       result.meshes.push_back(static_cast<std::uint32_t>(scene_.meshes.size()));
@@ -154,6 +156,18 @@ class Placer {
                                          material.name, (*use)->uv_set));
       return;
     }
+  }
+
+  // Of bodies that light goes through it matters which side is the inside.
+  void turn_outward(Mesh& mesh, const std::string& pointer) {
+    const Material& material = scene_.materials[mesh.material];
+    if (!material.has_volume || !(material.transmission > 0.0f)) return;
+    const ShellCount shells = turn_shells_outward(mesh);
+    if (shells.turned == 0) return;
+    document_.notes().warn(document_.where(pointer),
+                           fmt::format("mesh \"{}\" is inside out: {} of its {} closed {} turned",
+                                       mesh.name, shells.turned, shells.closed,
+                                       shells.closed == 1 ? "surface is" : "surfaces are"));
   }
 
   void place_mesh(const PlacedNode& node, int mesh, const std::string& pointer) {

@@ -5,10 +5,10 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 #include "abbe/math/polygon.h"
+#include "abbe/scene/shells.h"
 
 namespace abbe {
 namespace {
@@ -51,27 +51,15 @@ std::vector<Vec3d> without_bumps(std::vector<Vec3d> polygon, double rounding_m) 
 
 }  // namespace
 
-MeshFacets::MeshFacets(const Mesh& mesh, const Mat4d& to_world) : mesh_(mesh), to_world_(to_world) {
-  std::map<std::tuple<float, float, float>, std::uint32_t> known;
-  std::vector<std::uint32_t> number;
-  for (const Vec3f& position : mesh_.positions) {
-    // Adding 0 makes −0 and 0 the same place.
-    const auto [entry, is_new] =
-        known.try_emplace({position.x + 0.0f, position.y + 0.0f, position.z + 0.0f},
-                          static_cast<std::uint32_t>(corners_.size()));
-    if (is_new) {
-      corners_.push_back(Vec3d(to_world_ * Vec4d(Vec3d(position), 1.0)));
-      rounding_m_.push_back(rounding_m(position, to_world_));
-    }
-    number.push_back(entry->second);
+MeshFacets::MeshFacets(const Mesh& mesh, const Mat4d& to_world) : mesh_(mesh) {
+  WeldedMesh welded = weld(mesh);
+  for (const Vec3f& corner : welded.corners) {
+    corners_.push_back(Vec3d(to_world * Vec4d(Vec3d(corner), 1.0)));
+    rounding_m_.push_back(rounding_m(corner, to_world));
   }
-  const bool mirrored = glm::determinant(Mat3d(to_world_)) < 0.0;
-  for (const auto& t : mesh_.triangles) {
-    std::array<std::uint32_t, 3> welded{number[t[0]], number[t[1]], number[t[2]]};
-    if (mirrored) std::swap(welded[1], welded[2]);
-    if (welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0]) continue;
-    triangles_.push_back(welded);
-  }
+  triangles_ = std::move(welded.triangles);
+  if (glm::determinant(Mat3d(to_world)) >= 0.0) return;
+  for (auto& t : triangles_) std::swap(t[1], t[2]);
 }
 
 bool MeshFacets::is_flat() const {

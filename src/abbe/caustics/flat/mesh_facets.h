@@ -43,7 +43,6 @@ class MeshFacets {
   void add_group(const std::vector<std::size_t>& members, std::vector<Facet>& facets) const;
 
   const Mesh& mesh_;
-  const Mat4d to_world_;
   std::vector<Vec3d> corners_;
   std::vector<double> rounding_m_;  ///< How far rounding may have moved each corner.
   std::vector<std::array<std::uint32_t, 3>> triangles_;

@@ -1,5 +1,6 @@
 #include "abbe/accel/accelerator.h"
 
+#include <algorithm>
 #include <array>
 
 #include "abbe/accel/brute/brute_force.h"
@@ -11,12 +12,17 @@ namespace {
 
 constexpr auto kLanes = static_cast<std::size_t>(kPacketLanes);
 
-// The rays of a packet. Those that take no part have no length, and meet nothing.
-void unpack(const RayPacket& packet, Ray* rays) {
-  for (int lane = 0; lane < kPacketLanes; ++lane) {
-    const bool is_active = (packet.active >> lane & 1u) != 0;
-    rays[lane] = is_active ? ray_of(packet, lane) : Ray{Vec3f(0.0f), 0.0f};
+// The rays of packets. Those that take no part have no length, and meet nothing.
+std::vector<Ray> rays_of(std::span<const RayPacket> packets) {
+  std::vector<Ray> rays;
+  rays.reserve(kLanes * packets.size());
+  for (const RayPacket& packet : packets) {
+    for (int lane = 0; lane < kPacketLanes; ++lane) {
+      const bool is_active = (packet.active >> lane & 1u) != 0;
+      rays.push_back(is_active ? ray_of(packet, lane) : Ray{Vec3f(0.0f), 0.0f});
+    }
   }
+  return rays;
 }
 
 // What is known by name: another accelerator is a folder beside these two, and a line here. Tests
@@ -41,39 +47,32 @@ const std::array<Kind, 2> kKinds{{
 
 void Accelerator::closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
                                std::span<HitPacket> hits) const {
-  std::array<Ray, kLanes> rays;
-  std::array<Hit, kLanes> found;
-  for (std::size_t p = 0; p < packets.size(); ++p) {
-    unpack(packets[p], rays.data());
-    closest_hits(std::span<const Ray>(rays), mask, std::span<Hit>(found));
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      hits[p].t[lane] = found[lane].t;
-      hits[p].u[lane] = found[lane].u;
-      hits[p].v[lane] = found[lane].v;
-      hits[p].primitive[lane] = found[lane].primitive;
-    }
+  const std::vector<Ray> rays = rays_of(packets);
+  std::vector<Hit> found(rays.size());
+  closest_hits(std::span<const Ray>(rays), mask, std::span<Hit>(found));
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    HitPacket& to = hits[i / kLanes];
+    to.t[i % kLanes] = found[i].t;
+    to.u[i % kLanes] = found[i].u;
+    to.v[i % kLanes] = found[i].v;
+    to.primitive[i % kLanes] = found[i].primitive;
   }
 }
 
 void Accelerator::any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
                            std::span<std::uint32_t> occluded) const {
-  std::array<Ray, kLanes> rays;
-  std::array<std::uint8_t, kLanes> found;
-  for (std::size_t p = 0; p < packets.size(); ++p) {
-    unpack(packets[p], rays.data());
-    any_hits(std::span<const Ray>(rays), mask, std::span<std::uint8_t>(found));
-    occluded[p] = 0;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      occluded[p] |= static_cast<std::uint32_t>(found[lane]) << lane;
-    }
+  const std::vector<Ray> rays = rays_of(packets);
+  std::vector<std::uint8_t> found(rays.size());
+  any_hits(std::span<const Ray>(rays), mask, std::span<std::uint8_t>(found));
+  std::fill_n(occluded.begin(), packets.size(), 0u);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    occluded[i / kLanes] |= static_cast<std::uint32_t>(found[i]) << (i % kLanes);
   }
 }
 
 void Accelerator::all_hits(std::span<const RayPacket> packets, VisibilityMask mask,
                            VisibilityMask stops, HitLists& hits) const {
-  std::vector<Ray> rays(kLanes * packets.size());
-  for (std::size_t p = 0; p < packets.size(); ++p) unpack(packets[p], rays.data() + kLanes * p);
-  all_hits(std::span<const Ray>(rays), mask, stops, hits);
+  all_hits(std::span<const Ray>(rays_of(packets)), mask, stops, hits);
 }
 
 const std::vector<std::string>& accelerator_names() {
@@ -88,10 +87,9 @@ const std::vector<std::string>& accelerator_names() {
 
 std::unique_ptr<const Accelerator> build_accelerator(std::string_view name,
                                                      const ShapeSpans& shapes) {
-  for (const Kind& kind : kKinds) {
-    if (name == kind.name) return kind.build(shapes);
-  }
-  throw_usage_error("accelerator", std::string(name), "an accelerator", accelerator_names());
+  return kKinds[check_choice("accelerator", std::string(name), "an accelerator",
+                             accelerator_names())]
+      .build(shapes);
 }
 
 }  // namespace abbe

@@ -3,11 +3,38 @@
 #include <numeric>
 #include <vector>
 
-#include "abbe/accel/brute/kernels.h"
 #include "abbe/accel/leaf/block_packer.h"
 #include "abbe/accel/leaf/search.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "abbe/accel/brute/brute_force.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "abbe/accel/leaf/triangles-inl.h"
+
+HWY_BEFORE_NAMESPACE();
 namespace abbe {
+namespace HWY_NAMESPACE {
+
+// Shows the search all triangles of loose blocks that lie behind each other.
+void TestBlocks(std::span<const BlockLine> blocks, const ShearedRay& ray, AllSearch& search) {
+  BlockResult result;
+  for (std::size_t line = 0; line < blocks.size(); line += kLooseBlockLines) {
+    const TriangleBlock& block = block_at(&blocks[line]);
+    TestBlockOf<true>(block, ray, search.end(), result);
+    if (result.candidates != 0) ShowCandidates(block, result, search);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace abbe
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace abbe {
+
+HWY_EXPORT(TestBlocks);
 
 BruteForce::BruteForce(const ShapeSpans& shapes)
     : solid_count_(static_cast<std::uint32_t>(shapes.ellipsoids.size() + shapes.polyhedra.size())),
@@ -31,42 +58,36 @@ BruteForce::BruteForce(const ShapeSpans& shapes)
   for (const ConvexPolyhedron& polyhedron : shapes.polyhedra) bounds_.extend(polyhedron.bounds);
 }
 
-template <class Search>
-void BruteForce::show_all(const Ray& ray, Search& search) const {
-  test_blocks({blocks_.data(), blocks_.size()}, ShearedRay(ray), search);
+void BruteForce::all_hits(std::span<const Ray> rays, VisibilityMask mask, VisibilityMask stops,
+                          HitLists& hits) const {
+  hits.clear();
+  AllSearch search(visibility_, mask, stops);
   const SolidView solids = solids_.view();
-  for (std::uint32_t i = 0; i < solid_count_ && !search.is_done(); ++i) {
-    test_solid(solids, solids.triangle_count + i, ray, search);
+  for (const Ray& ray : rays) {
+    search.start(ray);
+    HWY_DYNAMIC_DISPATCH(TestBlocks)
+    ({blocks_.data(), blocks_.size()}, ShearedRay(ray), search);
+    for (std::uint32_t i = 0; i < solid_count_; ++i) {
+      test_solid(solids, solids.triangle_count + i, ray, search);
+    }
+    search.finish(hits);
   }
 }
 
 void BruteForce::closest_hits(std::span<const Ray> rays, VisibilityMask mask,
                               std::span<Hit> hits) const {
+  HitLists lists;
+  all_hits(rays, mask, mask, lists);
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    NearestSearch search(visibility_, mask, rays[i], false);
-    show_all(rays[i], search);
-    hits[i] = search.answer();
+    hits[i] = lists[i].empty() ? Hit{} : lists[i].front();
   }
 }
 
 void BruteForce::any_hits(std::span<const Ray> rays, VisibilityMask mask,
                           std::span<std::uint8_t> occluded) const {
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    NearestSearch search(visibility_, mask, rays[i], true);
-    show_all(rays[i], search);
-    occluded[i] = search.answer().is_hit() ? 1 : 0;
-  }
-}
-
-void BruteForce::all_hits(std::span<const Ray> rays, VisibilityMask mask, VisibilityMask stops,
-                          HitLists& hits) const {
-  hits.clear();
-  AllSearch search(visibility_, mask, stops);
-  for (const Ray& ray : rays) {
-    search.start(ray);
-    show_all(ray, search);
-    search.finish(hits);
-  }
+  std::vector<Hit> hits(rays.size());
+  closest_hits(rays, mask, hits);
+  for (std::size_t i = 0; i < rays.size(); ++i) occluded[i] = hits[i].is_hit() ? 1 : 0;
 }
 
 // Every primitive is tested: what a ray meets makes no difference.
@@ -86,3 +107,4 @@ std::size_t BruteForce::bytes() const {
 }
 
 }  // namespace abbe
+#endif  // HWY_ONCE

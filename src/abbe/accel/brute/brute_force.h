@@ -13,7 +13,7 @@
 
 namespace abbe {
 
-/// All primitives in the order of their numbers. Packets are answered ray by ray.
+/// All primitives in the order of their numbers. Every query is one for all hits.
 class BruteForce final : public Accelerator {
  public:
   explicit BruteForce(const ShapeSpans& shapes);
@@ -35,9 +35,6 @@ class BruteForce final : public Accelerator {
   std::size_t bytes() const override;
 
  private:
-  template <class Search>
-  void show_all(const Ray& ray, Search& search) const;
-
   FlatArray<BlockLine> blocks_;  // All loose, and so of the same size.
   std::uint32_t solid_count_ = 0;
   SolidStore solids_;

@@ -51,6 +51,10 @@ void traverse(const KdView& view, const Ray& ray, Search& search, QueryCost& cos
 
 }  // namespace
 
+void RaySearch::test(std::uint32_t solid) {
+  test_solid(view.solids, solid, *ray.ray, *this);
+}
+
 Hit search_nearest(const KdView& view, const Visibility& visibility, const Ray& ray,
                    VisibilityMask mask, bool any, QueryCost& cost) {
   NearestSearch search(visibility, mask, ray, any);

@@ -265,7 +265,8 @@ TEST_F(Display, ocio_variable_chooses_the_configuration_and_an_option_overrules_
   options.source_space = "raw";
   EXPECT_EQ(to_display(pixel(0.5f, 0.5f, 0.5f), options).pixels[0], 0.5f);
   options.config = kConfig;
-  EXPECT_THAT(usage_error_of([&] { to_display(pixel(1, 1, 1), options); }), HasSubstr("'Screen'"));
+  EXPECT_THAT(usage_error_of([&] { to_display(pixel(1, 1, 1), options); }),
+              HasSubstr("\"Screen\""));
 }
 
 TEST_F(Display, missing_or_broken_configuration_is_an_input_error) {

@@ -72,6 +72,13 @@ void throw_output_error(std::string where, std::string found, std::string expect
   throw Error({ErrorKind::Output, std::move(where), std::move(found), std::move(expected)});
 }
 
+std::size_t check_choice(const std::string& where, const std::string& name,
+                         const std::string& expected, const std::vector<std::string>& choices) {
+  const auto found = std::find(choices.begin(), choices.end(), name);
+  if (found == choices.end()) throw_usage_error(where, "\"" + name + "\"", expected, choices);
+  return static_cast<std::size_t>(found - choices.begin());
+}
+
 std::vector<std::string> nearest_names(const std::string& name,
                                        const std::vector<std::string>& names, std::size_t count) {
   std::vector<std::pair<std::size_t, std::string>> ranked;

@@ -44,6 +44,11 @@ class Error : public std::exception {
                                     std::vector<std::string> choices = {});
 [[noreturn]] void throw_output_error(std::string where, std::string found, std::string expected);
 
+/// The place of a name among those that there are.
+/// Errors: a usage Error that lists them, for any other name.
+std::size_t check_choice(const std::string& where, const std::string& name,
+                         const std::string& expected, const std::vector<std::string>& choices);
+
 /// The `count` names most like `name`, best first, for "did you mean" lists.
 std::vector<std::string> nearest_names(const std::string& name,
                                        const std::vector<std::string>& names,

@@ -6,9 +6,7 @@
 
 #include <atomic>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
-#include <limits>
 #include <system_error>
 
 #include "abbe/base/error.h"

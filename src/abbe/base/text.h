@@ -15,6 +15,9 @@ std::optional<int> whole_number_of(std::string_view text);
 /// The parts between separators, one more than there are of them.
 std::vector<std::string> split(const std::string& text, char separator);
 
+/// ASCII letters small, all else as it is.
+std::string lower_case(std::string_view text);
+
 /// Text with blanks for what a terminal would obey: names out of a file may hold anything.
 std::string printable(std::string text);
 

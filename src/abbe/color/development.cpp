@@ -22,6 +22,8 @@ Mat3d adapted_to_d65(const Vec3d& xyz_white, Adaptation adaptation) {
   return Mat3d(1.0);
 }
 
+const std::vector<std::string> kAdaptationNames{"cat16", "bradford", "none"};  // In their order.
+
 const Observer& observer_of(const DevelopmentOptions& options, const Observer& photometer) {
   return options.observer ? *options.observer : photometer;
 }
@@ -43,23 +45,12 @@ Vec3d xyz_of_unit_light(const std::vector<std::pair<Spectrum, double>>& lamps,
 }  // namespace
 
 Adaptation adaptation_from_name(const std::string& name) {
-  if (name == "cat16") return Adaptation::Cat16;
-  if (name == "bradford") return Adaptation::Bradford;
-  if (name == "none") return Adaptation::None;
-  throw_usage_error("adaptation", "\"" + name + "\"", "an adaptation",
-                    {"cat16", "bradford", "none"});
+  return static_cast<Adaptation>(
+      check_choice("adaptation", name, "an adaptation", kAdaptationNames));
 }
 
 std::string adaptation_name(Adaptation adaptation) {
-  switch (adaptation) {
-    case Adaptation::Cat16:
-      return "cat16";
-    case Adaptation::Bradford:
-      return "bradford";
-    case Adaptation::None:
-      break;
-  }
-  return "none";
+  return kAdaptationNames[static_cast<std::size_t>(adaptation)];
 }
 
 Mat3d responses_to_rec709(const DevelopmentOptions& options, const Observer& photometer,

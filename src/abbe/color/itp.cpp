@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "abbe/color/color.h"
 #include "abbe/color/rgb_space.h"
 
 namespace abbe {

@@ -86,15 +86,10 @@ void check_display_and_view(const LoadedConfig& loaded, const std::string& displ
   const OCIO::Config& config = *loaded.config;
   const auto displays =
       names_of(config.getNumDisplays(), [&](int i) { return config.getDisplay(i); });
-  if (std::find(displays.begin(), displays.end(), display) == displays.end()) {
-    throw_usage_error("display", "'" + display + "'", "a display of " + loaded.where, displays);
-  }
+  check_choice("display", display, "a display of " + loaded.where, displays);
   const auto views = names_of(config.getNumViews(display.c_str()),
                               [&](int i) { return config.getView(display.c_str(), i); });
-  if (std::find(views.begin(), views.end(), view) == views.end()) {
-    throw_usage_error("view", "'" + view + "'", "a view of " + display + " in " + loaded.where,
-                      views);
-  }
+  check_choice("view", view, "a view of " + display + " in " + loaded.where, views);
 }
 
 OCIO::ConstCPUProcessorRcPtr processor_of(const LoadedConfig& loaded,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "abbe/base/error.h"
 #include "abbe/base/parallel.h"

@@ -91,7 +91,6 @@ class Film {
 
   const PixelRect& crop() const { return crop_; }
   const Vec2i& full_size() const { return options_.full_size; }
-  std::size_t spectral_count() const { return spectral_count_; }
   std::size_t sample_count(const Vec2i& pixel) const;
   std::size_t dropped_sample_count() const { return dropped_.load(std::memory_order_relaxed); }
   std::size_t bytes() const;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "abbe/base/error.h"
+
 namespace abbe {
 
 Image same_window(const Image& image, std::vector<std::string> channels) {
@@ -14,6 +16,14 @@ Image same_window(const Image& image, std::vector<std::string> channels) {
   return result;
 }
 
+Image grey_pixel() {
+  Image image;
+  image.width = image.height = 1;
+  image.channels = {"R", "G", "B"};
+  image.pixels = {0.18f, 0.18f, 0.18f};
+  return image;
+}
+
 std::vector<float> picked_values(const Image& image, std::span<const std::size_t> channels) {
   std::vector<float> values;
   const std::size_t stride = image.channel_count();
@@ -22,6 +32,20 @@ std::vector<float> picked_values(const Image& image, std::span<const std::size_t
     for (const std::size_t c : channels) values.push_back(image.pixels[p + c]);
   }
   return values;
+}
+
+std::vector<std::size_t> channel_places(const Image& image, const std::vector<std::string>& names,
+                                        const std::string& where) {
+  std::vector<std::size_t> places;
+  for (const std::string& name : names) {
+    const auto index = image.channel_index(name);
+    if (!index) {
+      throw_input_error(where, "an image without channel " + name, "the reference's channels",
+                        names);
+    }
+    places.push_back(*index);
+  }
+  return places;
 }
 
 std::optional<std::array<std::size_t, 3>> channels_named(const Image& image,

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <string>
 
 #include "abbe/base/parallel.h"
 #include "abbe/film/film.h"

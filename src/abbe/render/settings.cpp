@@ -59,17 +59,13 @@ void check_wavelengths(const RenderSettings& settings) {
   if (!settings.frozen.empty()) {
     throw_usage_error("frozen", mode, "`mode` spectral: an RGB mode has all causes frozen");
   }
-  if (!options.exact_nm.empty()) {
-    throw_usage_error("wavelengths.exact_nm", mode,
-                      "`mode` spectral: an RGB mode has no wavelengths");
-  }
-  if (settings.bands) {
-    throw_usage_error("bands", mode, "`mode` spectral: an RGB mode has no wavelengths");
-  }
-  if (options.range_min_nm != kRangeMin_nm || options.range_max_nm != kRangeMax_nm) {
-    throw_usage_error("wavelengths.range_min_nm", mode,
-                      "`mode` spectral: an RGB mode has no wavelengths");
-  }
+  const auto reject_if = [&mode](bool is_set, const char* field) {
+    if (is_set) throw_usage_error(field, mode, "`mode` spectral: an RGB mode has no wavelengths");
+  };
+  reject_if(!options.exact_nm.empty(), "wavelengths.exact_nm");
+  reject_if(settings.bands.has_value(), "bands");
+  reject_if(options.range_min_nm != kRangeMin_nm || options.range_max_nm != kRangeMax_nm,
+            "wavelengths.range_min_nm");
 }
 
 }  // namespace
@@ -103,16 +99,10 @@ void check_settings(const RenderSettings& settings) {
   check_range("threads", settings.threads, 0, 4096);
   check_wavelengths(settings);
   (void)Filter::named(settings.filter);
-  const std::vector<std::string>& accelerators = accelerator_names();
-  if (std::find(accelerators.begin(), accelerators.end(), settings.accelerator) ==
-      accelerators.end()) {
-    throw_usage_error("accelerator", settings.accelerator, "an accelerator", accelerators);
-  }
+  check_choice("accelerator", settings.accelerator, "an accelerator", accelerator_names());
   const std::vector<std::string> names = aov_names();
   for (const std::string& aov : settings.aovs) {
-    if (std::find(names.begin(), names.end(), aov) == names.end()) {
-      throw_usage_error("aovs", aov, "names of extra channels", names);
-    }
+    check_choice("aovs", aov, "a name of an extra channel", names);
     if (aov == "spectralAlbedo" && !settings.bands && settings.wavelengths.exact_nm.empty()) {
       throw_usage_error("aovs", aov + " without spectral channels",
                         "`bands` or `wavelengths.exact_nm`, which say of what wavelengths");

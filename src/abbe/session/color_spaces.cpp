@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "abbe/base/error.h"
+#include "abbe/image/channels.h"
 
 namespace abbe {
 namespace {
@@ -70,16 +71,11 @@ std::string space_of_file(const std::filesystem::path& file) {
 
 void check_color_space(const std::string& space, const DisplayOptions& options) {
   const std::vector<std::string> spaces = scene_linear_spaces(options);
-  Image image;
-  image.width = image.height = 1;
-  image.channels = {"R", "G", "B"};
-  image.pixels = {0.18f, 0.18f, 0.18f};
+  Image image = grey_pixel();
   // An alias is as good as a name; what is unknown is an error there.
   convert_space(image, kRenderSpace, space, options);
-  if (std::find(spaces.begin(), spaces.end(), space) == spaces.end()) {
-    throw_usage_error("color_space", "\"" + space + "\"",
-                      "a scene-linear space of the configuration by its name", spaces);
-  }
+  check_choice("color_space", space, "a scene-linear space of the configuration by its name",
+               spaces);
 }
 
 void convert_colors(Image& image, const std::string& from, const std::string& to,

@@ -64,6 +64,10 @@ DevelopmentOptions development_options(const DevelopmentChoice& choice, const St
   return options;
 }
 
+void check_development(const DevelopmentChoice& choice, const Standards& standards) {
+  if (choice.white != "scene") (void)development_options(choice, standards, nullptr);
+}
+
 std::map<std::string, Attribute> development_attributes(const DevelopmentOptions& options,
                                                         const Standards& standards) {
   const Observer& observer = options.observer ? *options.observer : standards.observer;

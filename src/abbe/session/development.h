@@ -25,6 +25,10 @@ struct DevelopmentChoice {
 DevelopmentOptions development_options(const DevelopmentChoice& choice, const Standards& standards,
                                        const PreparedScene* scene);
 
+/// Finds what is wrong with the names before minutes of loading: all but the white `scene`.
+/// Errors: as development_options.
+void check_development(const DevelopmentChoice& choice, const Standards& standards);
+
 /// What a file says about them: `abbe:observer`, `abbe:white` and `abbe:adaptation`.
 std::map<std::string, Attribute> development_attributes(const DevelopmentOptions& options,
                                                         const Standards& standards);

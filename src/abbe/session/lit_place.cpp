@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "abbe/base/error.h"
 #include "abbe/base/text.h"
@@ -11,17 +12,8 @@ namespace abbe {
 namespace {
 
 const char* event_name(ChainEvent event) {
-  switch (event) {
-    case ChainEvent::Enter:
-      return "enter";
-    case ChainEvent::Leave:
-      return "leave";
-    case ChainEvent::ReflectInside:
-      return "reflect inside";
-    case ChainEvent::ReflectOutside:
-      break;
-  }
-  return "reflect";
+  constexpr std::array kNames{"enter", "leave", "reflect inside", "reflect"};
+  return kNames.at(static_cast<std::size_t>(event));
 }
 
 std::string lamp_name(const LitWorld& world, std::size_t light) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "abbe/base/constants.h"
@@ -19,17 +20,8 @@ double angle_deg(const Vec3d& a, const Vec3d& b) {
 }
 
 std::string origin_name(FanOrigin origin) {
-  switch (origin) {
-    case FanOrigin::Camera:
-      return "camera";
-    case FanOrigin::Reflected:
-      return "reflected";
-    case FanOrigin::Refracted:
-      return "refracted";
-    case FanOrigin::Passed:
-      break;
-  }
-  return "passed";
+  constexpr std::array kNames{"camera", "reflected", "refracted", "passed"};
+  return kNames.at(static_cast<std::size_t>(origin));
 }
 
 ProbeLane lane_of(const LaneRecord& record, const SurfaceMaterial* material, const World& world,

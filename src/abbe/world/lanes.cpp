@@ -18,6 +18,8 @@ constexpr double kRgbLines_nm[3] = {kLineC_nm, kLine_d_nm, kLineF_nm};
 // Dominant wavelengths of Rec.709's primaries under D65, CIE 1931.
 constexpr double kRec709Hues_nm[3] = {611.4, 549.1, 464.2};
 
+const std::vector<std::string> kModeNames{"spectral", "rgb", "rgb3"};  // In their order.
+
 int padded_count(int lanes) {
   const int multiple = lanes <= 8 ? 4 : 16;
   return (lanes + multiple - 1) / multiple * multiple;
@@ -37,22 +39,11 @@ double absorption_from(double transmittance, double distance_m) {
 }  // namespace
 
 Mode mode_from_name(const std::string& name) {
-  if (name == "spectral") return Mode::Spectral;
-  if (name == "rgb") return Mode::Rgb;
-  if (name == "rgb3") return Mode::Rgb3;
-  throw_usage_error("mode", name, "a mode", {"spectral", "rgb", "rgb3"});
+  return static_cast<Mode>(check_choice("mode", name, "a mode", kModeNames));
 }
 
 std::string mode_name(Mode mode) {
-  switch (mode) {
-    case Mode::Spectral:
-      return "spectral";
-    case Mode::Rgb:
-      return "rgb";
-    case Mode::Rgb3:
-      break;
-  }
-  return "rgb3";
+  return kModeNames[static_cast<std::size_t>(mode)];
 }
 
 LaneModel::LaneModel(const WorldOptions& options, const Observer& observer, const Spectrum& d65,

@@ -1,6 +1,5 @@
 #include "abbe/color/lamp/rendering.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "abbe/color/lamp/lamp.h"

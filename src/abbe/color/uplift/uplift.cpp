@@ -145,6 +145,8 @@ Vec3d mallett_yuksel_basis(double wavelength_nm) {
 
 namespace {
 
+const std::vector<std::string> kUpliftNames{"jakob-hanika", "mallett-yuksel"};  // In their order.
+
 Spectrum mallett_yuksel(const Vec3d& rgb_rec709) {
   const Vec3d color = glm::clamp(rgb_rec709, 0.0, 1.0);
   std::vector<double> wavelengths_nm, values;
@@ -160,14 +162,12 @@ Spectrum mallett_yuksel(const Vec3d& rgb_rec709) {
 }  // namespace
 
 Uplift uplift_from_name(const std::string& name) {
-  if (name == "jakob-hanika") return Uplift::JakobHanika;
-  if (name == "mallett-yuksel") return Uplift::MallettYuksel;
-  throw_usage_error("uplift", "\"" + name + "\"", "a way from RGB to spectra",
-                    {"jakob-hanika", "mallett-yuksel"});
+  return static_cast<Uplift>(
+      check_choice("uplift", name, "a way from RGB to spectra", kUpliftNames));
 }
 
 std::string uplift_name(Uplift uplift) {
-  return uplift == Uplift::JakobHanika ? "jakob-hanika" : "mallett-yuksel";
+  return kUpliftNames[static_cast<std::size_t>(uplift)];
 }
 
 std::string uplift_title(Uplift uplift) {

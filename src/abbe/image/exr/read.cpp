@@ -16,7 +16,6 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
-#include <limits>
 #include <memory>
 #include <set>
 #include <tuple>

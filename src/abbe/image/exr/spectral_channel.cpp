@@ -1,9 +1,9 @@
 // Names of spectral channels, written and read by hand: printf and strtod obey the locale.
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <string_view>
 
+#include "abbe/base/text.h"
 #include "abbe/image/exr/exr.h"
 
 namespace abbe {
@@ -33,11 +33,7 @@ std::optional<double> wavelength_in(std::string_view text, std::string_view pref
   if (with_point.front() == '-' || (comma == std::string::npos && text.find('.') != text.npos)) {
     return std::nullopt;
   }
-  double wavelength_nm = 0.0;
-  const char* const end = with_point.data() + with_point.size();
-  const auto [after, error] = std::from_chars(with_point.data(), end, wavelength_nm);
-  if (error != std::errc() || after != end || !std::isfinite(wavelength_nm)) return std::nullopt;
-  return wavelength_nm;
+  return number_of(with_point);
 }
 
 }  // namespace

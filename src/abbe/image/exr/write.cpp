@@ -241,12 +241,10 @@ void check_image(const std::filesystem::path& file, const Image& image) {
   }
 }
 
-void check_options(const ExrOptions& options) {
-  const std::vector<std::string> names = exr_compressions();
-  if (std::find(names.begin(), names.end(), options.compression) == names.end()) {
-    throw_usage_error("compression", "\"" + options.compression + "\"", "a compression of OpenEXR",
-                      names);
-  }
+}  // namespace
+
+void check_exr_options(const ExrOptions& options) {
+  check_choice("compression", options.compression, "a compression of OpenEXR", exr_compressions());
   constexpr int kSmallestTile_px = 8;
   constexpr int kLargestTile_px = 4096;
   if (options.tile_size != 0 &&
@@ -256,14 +254,8 @@ void check_options(const ExrOptions& options) {
   }
 }
 
-}  // namespace
-
-void check_exr_options(const ExrOptions& options) {
-  check_options(options);
-}
-
 void write_exr(const std::filesystem::path& file, const Image& image, const ExrOptions& options) {
-  check_options(options);
+  check_exr_options(options);
   check_image(file, image);
   const std::vector<Part> parts = parts_of(image, options.multi_part);
   write_atomically(file, [&](const std::filesystem::path& temporary) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "abbe/image/channels.h"
 #include "abbe/image/image_pair.h"
 #include "abbe/image/metrics/heat_map.h"
 
@@ -18,12 +19,7 @@ FalseColorImage false_color_image(const Image& rgb_rec709) {
   constexpr double kMiddleGrey = 0.18;
   const auto rgb = rgb_indices(rgb_rec709);
   FalseColorImage result;
-  Image& picture = result.picture;
-  picture.width = rgb_rec709.width;
-  picture.height = rgb_rec709.height;
-  picture.data_origin = rgb_rec709.data_origin;
-  picture.full_size = rgb_rec709.full_size;
-  picture.channels = {"R", "G", "B"};
+  Image& picture = result.picture = same_window(rgb_rec709, {"R", "G", "B"});
   const std::size_t channels = rgb_rec709.channel_count();
   for (std::size_t p = 0; p < rgb_rec709.pixels.size() / channels; ++p) {
     const float* pixel = rgb_rec709.pixels.data() + p * channels;

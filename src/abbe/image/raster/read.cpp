@@ -1,8 +1,6 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
-#include <memory>
-
 #include "abbe/base/error.h"
 #include "abbe/image/raster/raster.h"
 #include "abbe/image/raster/texture_structure.h"

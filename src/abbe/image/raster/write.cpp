@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <limits>
-#include <memory>
 
 #include "abbe/base/error.h"
 #include "abbe/base/file.h"
 #include "abbe/base/parallel.h"
+#include "abbe/base/text.h"
+#include "abbe/image/channels.h"
 #include "abbe/image/raster/png_tags.h"
 #include "abbe/image/raster/raster.h"
 #include "abbe/math/random.h"
@@ -20,9 +20,7 @@ namespace abbe {
 namespace {
 
 std::string format_of(const std::filesystem::path& file) {
-  std::string suffix = file.extension().string();
-  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string suffix = lower_case(file.extension().string());
   if (suffix == ".png") return "png";
   if (suffix == ".jpg" || suffix == ".jpeg") return "jpeg";
   if (suffix == ".tif" || suffix == ".tiff") return "tiff";
@@ -58,14 +56,12 @@ std::vector<Code> codes_of(const Image& image, const std::array<std::size_t, 3>&
 }
 
 std::array<std::size_t, 3> checked_rgb(const std::filesystem::path& file, const Image& image) {
-  const auto r = image.channel_index("R");
-  const auto g = image.channel_index("G");
-  const auto b = image.channel_index("B");
-  if (!r || !g || !b || image.width < 1 || image.height < 1) {
+  const auto rgb = rgb_channels(image);
+  if (!rgb || image.width < 1 || image.height < 1) {
     throw_output_error(file.string(), "an image without pixels or without channels R, G, B",
                        "R, G, B");
   }
-  return {*r, *g, *b};
+  return *rgb;
 }
 
 std::string display_of(const Image& image) {

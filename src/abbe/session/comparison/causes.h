@@ -1,10 +1,7 @@
 /// Why the modes rgb and spectral differ.
 #pragma once
 
-#include <array>
-#include <map>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "abbe/session/comparison/attribution.h"

@@ -1,8 +1,6 @@
 /// What an image differs by from the spectral one.
 #pragma once
 
-#include <vector>
-
 #include "abbe/image/image.h"
 #include "abbe/image/metrics/color_maps.h"
 

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "abbe/base/notes.h"
 #include "abbe/load/spectra/catalogue.h"

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
 #include "abbe/load/gltf/document/check.h"
@@ -12,24 +10,11 @@
 namespace abbe::gltf {
 namespace {
 
-std::vector<double> numbers(const Fields& fields, const char* name) {
-  if (!fields.has(name) || !fields.at(name).is_array() || fields.at(name).empty() ||
-      fields.at(name).size() > 16) {
-    throw_input_error(fields.where(name), fields.has(name) ? describe(fields.at(name)) : "nothing",
-                      "an array of 1 to 16 numbers");
-  }
-  std::vector<double> values;
-  for (std::size_t i = 0; i < fields.at(name).size(); ++i) {
-    values.push_back(finite_number(fields.at(name)[i], fields.where(name) + "/" + std::to_string(i),
-                                   {-1e6, 1e6}));
-  }
-  return values;
-}
-
 Dispersion read_sellmeier(const Fields& fields) {
   fields.only({"A", "B", "C"});
-  SellmeierFormula formula{fields.number("A", 0.0, {-1e3, 1e3}), numbers(fields, "B"),
-                           numbers(fields, "C")};
+  SellmeierFormula formula{fields.number("A", 0.0, {-1e3, 1e3}),
+                           fields.numbers("B", 1, 16, {-1e6, 1e6}),
+                           fields.numbers("C", 1, 16, {-1e6, 1e6})};
   if (formula.B.size() != formula.C.size()) {
     throw_input_error(fields.where("C"), fmt::format("{} numbers", formula.C.size()),
                       fmt::format("as many as B has, {}", formula.B.size()));
@@ -121,8 +106,8 @@ Conductor read_conductor(Document& document, const Fields& extension, const std:
   if (!fields.has("n") || !fields.has("k")) {
     throw_input_error(document.where(pointer), "no \"n\" or no \"k\"", "both");
   }
-  return {"", spectra.read(fields.at("n"), fields.pointer("n"), SpectrumUse::Index).spectrum,
-          spectra.read(fields.at("k"), fields.pointer("k"), SpectrumUse::Extinction).spectrum};
+  return {"", spectra.read(fields, "n", SpectrumUse::Index).spectrum,
+          spectra.read(fields, "k", SpectrumUse::Extinction).spectrum};
 }
 
 }  // namespace
@@ -153,24 +138,18 @@ void apply_abbe_material(Document& document, const Fields& extension, const Json
     if (!states_roughness) material.roughness = 0.0f;
   }
   if (extension.has("reflectance")) {
-    material.reflectance = spectra.read(extension.at("reflectance"),
-                                        extension.pointer("reflectance"), SpectrumUse::Reflectance);
+    material.reflectance = spectra.read(extension, "reflectance", SpectrumUse::Reflectance);
   }
   if (const auto emission = extension.object("emission")) {
     emission->only({"spectrum", "luminance"});
     SpectralEmission result;
     result.luminance_cd_per_m2 = emission->required_number("luminance", {0.0, 1e12});
-    result.spectrum = emission->has("spectrum")
-                          ? spectra.read(emission->at("spectrum"), emission->pointer("spectrum"),
-                                         SpectrumUse::Emission)
-                          : spectra.d65();
+    result.spectrum = spectra.lamp(*emission);
     material.emission = std::move(result);
   }
   if (extension.has("absorption")) {
-    material.absorption_per_m = spectra
-                                    .read(extension.at("absorption"),
-                                          extension.pointer("absorption"), SpectrumUse::Absorption)
-                                    .spectrum;
+    material.absorption_per_m =
+        spectra.read(extension, "absorption", SpectrumUse::Absorption).spectrum;
   }
   if (const auto film = extension.object("film")) {
     apply_abbe_film(*film, document, spectra, material);

@@ -4,7 +4,6 @@
 
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
-#include "abbe/load/gltf/document/check.h"
 #include "abbe/load/spectra/range_notes.h"
 
 namespace abbe::gltf {
@@ -13,11 +12,6 @@ namespace {
 // Past a tenth of a millimetre no eye and no lane resolves the fringes, nor does single precision.
 constexpr Range kThickness_nm{0.0, 1e5};
 constexpr Range kIndex{1.0, 1000.0};
-
-std::optional<TextureUse> read_texture(const Fields& fields, const char* name, Textures& textures) {
-  if (!fields.has(name)) return std::nullopt;
-  return textures.use(fields.at(name), fields.pointer(name));
-}
 
 // An id or a file of a dielectric, or a curve written in the scene.
 void read_index(const Fields& film, Document& document, Spectra& spectra,
@@ -60,13 +54,13 @@ void read_iridescence(const Fields& extensions, Document& document, Textures& te
   if (!extension) return;
   ThinFilm film;
   film.factor = static_cast<float>(extension->limited("iridescenceFactor", 0.0, {0.0, 1.0}));
-  film.factor_texture = read_texture(*extension, "iridescenceTexture", textures);
+  film.factor_texture = textures.use(*extension, "iridescenceTexture");
   film.index = ConstantIndex{extension->number("iridescenceIor", 1.3, kIndex)};
   film.thickness_min_nm =
       static_cast<float>(extension->number("iridescenceThicknessMinimum", 100.0, kThickness_nm));
   film.thickness_max_nm =
       static_cast<float>(extension->number("iridescenceThicknessMaximum", 400.0, kThickness_nm));
-  film.thickness_texture = read_texture(*extension, "iridescenceThicknessTexture", textures);
+  film.thickness_texture = textures.use(*extension, "iridescenceThicknessTexture");
   if (film.thickness_texture && film.thickness_min_nm > film.thickness_max_nm) {
     document.notes().warn(extension->where("iridescenceThicknessMinimum"),
                           "the minimum exceeds the maximum: the film is thinner where the texture "

@@ -139,8 +139,7 @@ Light read_light(Document& document, int index, Spectra& spectra) {
       light.beam = BeamSize{positive(*beam, "width"), positive(*beam, "height")};
     }
     if (abbe.has("spectrum")) {
-      light.spectrum =
-          spectra.read(abbe.at("spectrum"), abbe.pointer("spectrum"), SpectrumUse::Emission);
+      light.spectrum = spectra.read(abbe, "spectrum", SpectrumUse::Emission);
     }
   }
   return light;
@@ -192,9 +191,7 @@ void apply_abbe_scene(Document& document, int scene_index, Spectra& spectra, Sce
     Fog result;
     result.extinction_per_m = fog->required_number("extinction", {0.0, 1e6});
     if (fog->has("albedo")) {
-      result.albedo =
-          spectra.read(fog->at("albedo"), fog->pointer("albedo"), SpectrumUse::Reflectance)
-              .spectrum;
+      result.albedo = spectra.read(*fog, "albedo", SpectrumUse::Reflectance).spectrum;
     }
     scene.fog = std::move(result);
   }
@@ -202,10 +199,7 @@ void apply_abbe_scene(Document& document, int scene_index, Spectra& spectra, Sce
     ambient->only({"luminance", "spectrum"});
     Ambient result;
     result.luminance_cd_per_m2 = ambient->required_number("luminance", {0.0, 1e12});
-    result.spectrum = ambient->has("spectrum")
-                          ? spectra.read(ambient->at("spectrum"), ambient->pointer("spectrum"),
-                                         SpectrumUse::Emission)
-                          : spectra.d65();
+    result.spectrum = spectra.lamp(*ambient);
     scene.ambient = std::move(result);
   }
 }

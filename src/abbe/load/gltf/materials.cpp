@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cmath>
 
 #include "abbe/base/error.h"
-#include "abbe/load/gltf/document/check.h"
 #include "abbe/load/gltf/film.h"
 
 namespace abbe::gltf {
@@ -15,11 +13,6 @@ namespace {
 constexpr Range kUnit{0.0, 1.0};
 // The sun's disc has 1.6e9 cd/m²; 1000 times that still leaves single precision its head-room.
 constexpr double kBrightest_cd_per_m2 = 1e12;
-
-std::optional<TextureUse> read_texture(const Fields& fields, const char* name, Textures& textures) {
-  if (!fields.has(name)) return std::nullopt;
-  return textures.use(fields.at(name), fields.pointer(name));
-}
 
 void read_base_color(const Fields& pbr, Notes& notes, Material& material) {
   if (!pbr.has("baseColorFactor")) return;
@@ -59,7 +52,7 @@ void read_emissive(const Fields& source, const std::optional<Fields>& extensions
   Vec3d emitted = strength * factor;
   limit_all({&emitted[0], 3}, {0.0, kBrightest_cd_per_m2}, source.where("emissiveFactor"), notes);
   material.emissive_rec709 = Vec3f(emitted);
-  material.emissive_texture = read_texture(source, "emissiveTexture", textures);
+  material.emissive_texture = textures.use(source, "emissiveTexture");
 }
 
 void read_index(const Fields& extensions, Notes& notes, Material& material) {
@@ -121,11 +114,11 @@ Material read_material(Document& document, std::size_t index, Textures& textures
     read_base_color(*pbr, notes, material);
     material.metallic = static_cast<float>(pbr->limited("metallicFactor", 1.0, kUnit));
     material.roughness = static_cast<float>(pbr->limited("roughnessFactor", 1.0, kUnit));
-    material.base_color_texture = read_texture(*pbr, "baseColorTexture", textures);
-    material.metallic_roughness_texture = read_texture(*pbr, "metallicRoughnessTexture", textures);
+    material.base_color_texture = textures.use(*pbr, "baseColorTexture");
+    material.metallic_roughness_texture = textures.use(*pbr, "metallicRoughnessTexture");
   }
   if (const auto normal = source.object("normalTexture")) {
-    material.normal_texture = read_texture(source, "normalTexture", textures);
+    material.normal_texture = textures.use(source, "normalTexture");
     material.normal_scale = static_cast<float>(normal->number("scale", 1.0, {-1e3, 1e3}));
   }
   read_alpha(source, notes, material);
@@ -137,7 +130,7 @@ Material read_material(Document& document, std::size_t index, Textures& textures
   if (const auto extension = extensions->object("KHR_materials_transmission")) {
     material.transmission =
         static_cast<float>(extension->limited("transmissionFactor", 0.0, kUnit));
-    material.transmission_texture = read_texture(*extension, "transmissionTexture", textures);
+    material.transmission_texture = textures.use(*extension, "transmissionTexture");
   }
   read_index(*extensions, notes, material);
   read_volume(*extensions, notes, material);

@@ -1,9 +1,6 @@
 /// glTF materials with the KHR extensions the renderer knows, and ABBE_material.
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "abbe/load/gltf/document/document.h"
 #include "abbe/load/gltf/document/fields.h"
 #include "abbe/load/gltf/spectra.h"

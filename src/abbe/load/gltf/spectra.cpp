@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "abbe/base/error.h"
 #include "abbe/load/gltf/document/check.h"
-#include "abbe/load/gltf/document/fields.h"
 #include "abbe/load/spectra/foreign.h"
 
 namespace abbe::gltf {
@@ -80,7 +78,8 @@ CatalogueEntry Spectra::entry(const std::string& id_or_path, const std::string& 
   return read_spectrum_file(file, id_or_path, glass);
 }
 
-NamedSpectrum Spectra::d65() const {
+NamedSpectrum Spectra::lamp(const Fields& fields) {
+  if (fields.has("spectrum")) return read(fields, "spectrum", SpectrumUse::Emission);
   return {"illuminant/D65", catalogue_.illuminant("illuminant/D65")};
 }
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "abbe/load/gltf/document/document.h"
+#include "abbe/load/gltf/document/fields.h"
 #include "abbe/load/spectra/catalogue.h"
 #include "abbe/scene/scene.h"
 
@@ -29,12 +29,16 @@ class Spectra {
   /// Errors: input Error with a JSON pointer, or with file and line inside a file.
   NamedSpectrum read(const Json& value, const std::string& pointer, SpectrumUse use);
 
+  /// The same of a member, which must be there.
+  NamedSpectrum read(const Fields& fields, const char* name, SpectrumUse use) {
+    return read(fields.at(name), fields.pointer(name), use);
+  }
+  /// The member `spectrum`, an emission; D65, the illuminant of RGB white, where it is absent.
+  NamedSpectrum lamp(const Fields& fields);
+
   /// The catalogue entry of an id, or of a file in the scene's folder: of the catalogue's format,
   /// of refractiveindex.info, a glass of a Zemax catalogue as FILE.agf#GLASS, or a plain table.
   CatalogueEntry entry(const std::string& id_or_path, const std::string& pointer);
-
-  /// The illuminant of RGB white.
-  NamedSpectrum d65() const;
 
  private:
   Spectrum read_table(const Json& table, const std::string& pointer, SpectrumUse use);

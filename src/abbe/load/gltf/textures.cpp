@@ -7,7 +7,6 @@
 #include "abbe/base/error.h"
 #include "abbe/image/raster/raster.h"
 #include "abbe/load/gltf/document/check.h"
-#include "abbe/load/gltf/document/fields.h"
 
 namespace abbe::gltf {
 namespace {
@@ -16,21 +15,11 @@ namespace {
 // downwards, so a positive angle has sin beside v in the first row.
 void apply_transform(const Fields& transform, TextureUse& use) {
   const double angle_rad = transform.number("rotation", 0.0, {-1e6, 1e6});
-  double offset[2] = {0.0, 0.0};
-  double scale[2] = {1.0, 1.0};
-  const auto pair = [&transform](const char* name, double(&target)[2]) {
-    if (!transform.has(name)) return;
-    const Json& value = transform.at(name);
-    if (!value.is_array() || value.size() != 2) {
-      throw_input_error(transform.where(name), describe(value), "an array of 2 numbers");
-    }
-    for (std::size_t i = 0; i < 2; ++i) {
-      target[i] =
-          finite_number(value[i], transform.where(name) + "/" + std::to_string(i), {-1e6, 1e6});
-    }
+  const auto pair = [&transform](const char* name, double otherwise) {
+    if (!transform.has(name)) return std::vector<double>(2, otherwise);
+    return transform.numbers(name, 2, 2, {-1e6, 1e6});
   };
-  pair("offset", offset);
-  pair("scale", scale);
+  const std::vector<double> offset = pair("offset", 0.0), scale = pair("scale", 1.0);
   const double c = std::cos(angle_rad);
   const double s = std::sin(angle_rad);
   use.uv_linear = {static_cast<float>(c * scale[0]), static_cast<float>(s * scale[1]),
@@ -57,28 +46,29 @@ void warn_of_label(Document& document, Bytes bytes, const std::string& label,
 
 }  // namespace
 
-std::optional<TextureUse> Textures::use(const Json& texture_info, const std::string& pointer) {
-  const Fields info(document_, texture_info, pointer);
+std::optional<TextureUse> Textures::use(const Fields& fields, const char* name) {
+  const auto info = fields.object(name);
+  if (!info) return std::nullopt;
   const std::size_t count = model_.textures.size();
-  const double index = info.required_number("index", {0.0, static_cast<double>(count) - 1.0});
-  if (index != std::floor(index)) throw_input_error(info.where("index"), "a fraction", "an index");
+  const double index = info->required_number("index", {0.0, static_cast<double>(count) - 1.0});
+  if (index != std::floor(index)) throw_input_error(info->where("index"), "a fraction", "an index");
   TextureUse use;
-  double uv_set = info.number("texCoord", 0.0, {0.0, 1e6});
-  if (const auto extensions = info.object("extensions")) {
+  double uv_set = info->number("texCoord", 0.0, {0.0, 1e6});
+  if (const auto extensions = info->object("extensions")) {
     if (const auto transform = extensions->object("KHR_texture_transform")) {
       apply_transform(*transform, use);
       uv_set = transform->number("texCoord", uv_set, {0.0, 1e6});
     }
   }
   if (uv_set > 1.0) {
-    document_.notes().warn(info.where("texCoord"),
+    document_.notes().warn(info->where("texCoord"),
                            fmt::format("texture coordinates {:g}: only sets 0 and 1 are read; the "
                                        "texture is ignored",
                                        uv_set));
     return std::nullopt;
   }
   use.uv_set = static_cast<std::uint32_t>(uv_set);
-  const auto found = texture(static_cast<int>(index), pointer);
+  const auto found = texture(static_cast<int>(index), info->pointer());
   if (!found) return std::nullopt;
   use.texture = *found;
   return use;

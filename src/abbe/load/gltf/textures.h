@@ -9,6 +9,7 @@
 
 #include "abbe/load/gltf/document/accessors.h"
 #include "abbe/load/gltf/document/document.h"
+#include "abbe/load/gltf/document/fields.h"
 #include "abbe/scene/scene.h"
 
 namespace abbe::gltf {
@@ -19,10 +20,10 @@ class Textures {
   Textures(Document& document, const tinygltf::Model& model, Accessors& accessors, Scene& scene)
       : document_(document), model_(model), accessors_(accessors), scene_(scene) {}
 
-  /// The use that a texture info object describes, KHR_texture_transform included. Nothing, with a
-  /// note, when the texture has no image or wants a third set of texture coordinates.
-  /// Errors: input Error with a JSON pointer; a broken image is one.
-  std::optional<TextureUse> use(const Json& texture_info, const std::string& pointer);
+  /// The use that a member, a texture info object, describes, KHR_texture_transform included.
+  /// Nothing where it is absent, or, with a note, when the texture has no image or wants a third
+  /// set of texture coordinates. Errors: input Error with a JSON pointer; a broken image is one.
+  std::optional<TextureUse> use(const Fields& fields, const char* name);
 
   /// Checks that every URI of an image stays inside the folder, used or not.
   void check_uris() const;

@@ -37,19 +37,6 @@ struct AgfGlass {
   std::vector<double> wavelengths_nm, absorption_per_m;
 };
 
-std::vector<double> numbers_of(const std::vector<std::string_view>& words, std::size_t first,
-                               const std::string& where) {
-  std::vector<double> numbers;
-  for (std::size_t i = first; i < words.size(); ++i) {
-    const auto number = finite_number_of(words[i]);
-    if (!number) {
-      throw_input_error(where, "\"" + std::string(words[i]) + "\"", "a finite number");
-    }
-    numbers.push_back(*number);
-  }
-  return numbers;
-}
-
 void read_transmittance(const std::vector<std::string_view>& words, const std::string& where,
                         AgfGlass& glass) {
   const std::vector<double> numbers = numbers_of(words, 1, where);
@@ -64,11 +51,7 @@ void read_transmittance(const std::vector<std::string_view>& words, const std::s
     throw_input_error(where, fmt::format("{} um through {} mm", numbers[0], numbers[2]),
                       "a wavelength in um and a thickness in mm, above 0");
   }
-  if (!glass.wavelengths_nm.empty() && nm <= glass.wavelengths_nm.back()) {
-    throw_input_error(where, fmt::format("{} nm after {} nm", nm, glass.wavelengths_nm.back()),
-                      "rising wavelengths");
-  }
-  glass.wavelengths_nm.push_back(nm);
+  add_rising(nm, where, glass.wavelengths_nm);
   // + 0.0 so that a transmittance of 1 is not −0.
   glass.absorption_per_m.push_back(
       std::min(-std::log(transmittance) / thickness_m + 0.0, kLargestAbsorption_per_m));
@@ -100,10 +83,7 @@ Dispersion formula_of(const AgfGlass& glass) {
     case 2:  // Sellmeier 1.
       return sellmeier_of(c, 3);
     case 3:  // Herzberger.
-      return tabulated_formula([&](double um) {
-        const double um2 = um * um, L = 1.0 / (um2 - 0.028);
-        return c[0] + c[1] * L + c[2] * L * L + um2 * (c[3] + um2 * (c[4] + um2 * c[5]));
-      });
+      return herzberger(c);
     case 4:  // Sellmeier 2: n² = 1 + A + B1 λ²/(λ² − λ1²) + B2/(λ² − λ2²).
       return RefractiveIndexInfoFormula4{{1.0 + c[0], c[1], 2.0, c[2], 2.0, c[3], 0.0, c[4], 2.0}};
     case 5:  // Conrady.

@@ -6,6 +6,7 @@
 
 #include "abbe/base/error.h"
 #include "abbe/base/file.h"
+#include "abbe/base/text.h"
 #include "abbe/load/spectra/computed.h"
 #include "abbe/load/spectra/foreign.h"
 
@@ -29,11 +30,8 @@ FileFormat format_of(const fs::path& file) {
 std::vector<fs::path> folders_of_environment() {
   std::vector<fs::path> folders;
   const char* variable = std::getenv("ABBE_SPECTRA_PATH");
-  std::string rest = variable ? variable : "";
-  while (!rest.empty()) {
-    const std::size_t colon = rest.find(':');
-    if (colon != 0) folders.emplace_back(rest.substr(0, colon));
-    rest = colon == std::string::npos ? "" : rest.substr(colon + 1);
+  for (const std::string& folder : split(variable != nullptr ? variable : "", ':')) {
+    if (!folder.empty()) folders.emplace_back(folder);
   }
   return folders;
 }

@@ -1,7 +1,6 @@
 /// Lamps that a number names: `daylight/6504` and `blackbody/2856`, temperatures in K.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "abbe/color/lamp/daylight.h"

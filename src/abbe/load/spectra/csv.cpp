@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
+#include "abbe/base/text.h"
 #include "abbe/load/spectra/foreign.h"
 #include "abbe/load/spectra/text.h"
 
@@ -24,14 +24,6 @@ std::string spaced(std::string_view line) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
   return text;
-}
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return lower;
 }
 
 Rows rows_of(std::string_view text, const std::string& file) {
@@ -60,12 +52,7 @@ Rows rows_of(std::string_view text, const std::string& file) {
     if (!(*nm > 0.0 && *nm <= kLongest_nm)) {
       throw_input_error(where, fmt::format("a wavelength of {:g} nm", *nm), "0 to 1000000 nm");
     }
-    if (!rows.wavelengths_nm.empty() && rows.wavelengths_nm.back() >= *nm) {
-      throw_input_error(where,
-                        fmt::format("{:g} nm after {:g} nm", *nm, rows.wavelengths_nm.back()),
-                        "rising wavelengths");
-    }
-    rows.wavelengths_nm.push_back(*nm);
+    add_rising(*nm, where, rows.wavelengths_nm);
     rows.values.push_back(*value);
     rows.lines.push_back(number);
   }

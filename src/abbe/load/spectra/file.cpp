@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <string_view>
@@ -10,6 +9,7 @@
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
 #include "abbe/base/file.h"
+#include "abbe/base/text.h"
 #include "abbe/load/spectra/catalogue.h"
 #include "abbe/load/spectra/foreign.h"
 #include "abbe/load/spectra/text.h"
@@ -34,14 +34,7 @@ class Parser {
  public:
   Parser(const std::filesystem::path& file, std::string_view text) : file_(file.string()) {
     std::size_t line = 0;
-    while (!text.empty()) {
-      ++line;
-      const std::size_t end = std::min(text.find('\n'), text.size());
-      std::string_view content = text.substr(0, end);
-      text.remove_prefix(std::min(end + 1, text.size()));
-      if (content.ends_with('\r')) content.remove_suffix(1);
-      read_line(line, content);
-    }
+    for (const std::string_view content : lines_of(text)) read_line(++line, content);
     if (!signature_seen_) fail(1, "an empty file", std::string("a line ") + kSignature);
   }
 
@@ -60,12 +53,9 @@ class Parser {
   }
 
   double number(std::size_t line, std::string_view word) const {
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) {
-      fail(line, "\"" + std::string(word) + "\"", "a finite number");
-    }
-    return value;
+    const auto value = number_of(word);
+    if (!value) fail(line, "\"" + std::string(word) + "\"", "a finite number");
+    return *value;
   }
 
   std::vector<double> numbers(const std::string& key) const {

@@ -1,7 +1,6 @@
 /// Spectra in the formats that others publish them in.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>

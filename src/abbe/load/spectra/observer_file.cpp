@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
-#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "abbe/base/error.h"
 #include "abbe/base/file.h"
+#include "abbe/base/text.h"
 #include "abbe/color/development.h"
+#include "abbe/load/spectra/text.h"
 
 namespace abbe {
 namespace {
@@ -40,15 +39,6 @@ std::vector<std::string_view> fields_of(std::string_view line) {
     if (end == line.size()) return fields;
     line.remove_prefix(end + 1);
   }
-}
-
-std::optional<double> number_in(std::string_view field) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-  if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value)) {
-    return std::nullopt;
-  }
-  return value;
 }
 
 bool names_matching_functions(const std::vector<std::string_view>& fields) {
@@ -78,12 +68,8 @@ Observer read_observer_csv(const std::filesystem::path& file, const Observer& ph
   std::vector<double> nm;
   std::array<std::vector<double>, 3> values;
   bool is_first = true;
-  while (!text.empty()) {
+  for (const std::string_view line : lines_of(text)) {
     ++number;
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (line.ends_with('\r')) line.remove_suffix(1);
     const std::vector<std::string_view> fields = fields_of(line);
     if (line.starts_with('#') || fields.empty() || (fields.size() == 1 && fields[0].empty())) {
       continue;
@@ -91,13 +77,13 @@ Observer read_observer_csv(const std::filesystem::path& file, const Observer& ph
     if (fields.size() != 4) {
       fail(fmt::format("{} columns", fields.size()), "4: a wavelength and three sensitivities");
     }
-    if (std::exchange(is_first, false) && !number_in(fields[0])) {
+    if (std::exchange(is_first, false) && !number_of(fields[0])) {
       are_matching_functions = names_matching_functions(fields);
       continue;
     }
     std::array<double, 4> row{};
     for (std::size_t i = 0; i < 4; ++i) {
-      const auto value = number_in(fields[i]);
+      const auto value = number_of(fields[i]);
       if (!value) fail("\"" + std::string(fields[i]) + "\"", "a finite number");
       row[i] = *value;
     }

@@ -31,17 +31,9 @@ std::string text_of(const YAML::Node& map, const char* key, const std::string& f
 }
 
 std::vector<double> numbers_of(const YAML::Node& map, const char* key, const std::string& file) {
-  std::vector<double> numbers;
   const std::string text = text_of(map, key, file);
-  for (const std::string_view word : words_of(text)) {
-    const auto number = finite_number_of(word);
-    if (!number) {
-      throw_input_error(place(file, map[key].Mark()), "\"" + std::string(word) + "\"",
-                        "a finite number");
-    }
-    numbers.push_back(*number);
-  }
-  return numbers;
+  if (text.empty()) return {};
+  return abbe::numbers_of(words_of(text), 0, place(file, map[key].Mark()));
 }
 
 // Pairs behind the first coefficient.
@@ -91,12 +83,7 @@ Dispersion formula_of(int number, std::vector<double> c, const std::string& wher
     });
   }
   c.resize(6, 0.0);
-  if (number == 7) {
-    return tabulated_formula([&](double um) {
-      const double um2 = um * um, L = 1.0 / (um2 - 0.028);
-      return c[0] + c[1] * L + c[2] * L * L + um2 * (c[3] + um2 * (c[4] + um2 * c[5]));
-    });
-  }
+  if (number == 7) return herzberger(c);
   if (number == 8) {
     return tabulated_formula([&](double um) {
       const double um2 = um * um;
@@ -149,11 +136,7 @@ Table table_of(const YAML::Node& data, std::size_t columns, const std::string& f
       if (!(nm >= kShortest_nm && nm <= kLongest_nm)) {
         throw_input_error(where, fmt::format("a wavelength of {}", *number), "one in µm");
       }
-      if (!table.wavelengths_nm.empty() && nm <= table.wavelengths_nm.back()) {
-        throw_input_error(where, fmt::format("{} nm after {} nm", nm, table.wavelengths_nm.back()),
-                          "rising wavelengths");
-      }
-      table.wavelengths_nm.push_back(nm);
+      add_rising(nm, where, table.wavelengths_nm);
     }
   }
   if (row == 0) throw_input_error(place(file, node.Mark()), "an empty table", "at least one row");

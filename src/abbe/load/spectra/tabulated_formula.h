@@ -25,4 +25,13 @@ Dispersion tabulated_formula(const Function& n_of_um) {
       Spectrum::tabulated(std::move(wavelengths_nm), std::move(n), OutsideTable::Clamp)};
 }
 
+/// n = c0 + c1·L + c2·L² + c3·λ² + c4·λ⁴ + c5·λ⁶ with L = 1/(λ² − 0.028), λ in µm.
+/// Domain: six coefficients. Source: Herzberger, Colour Correction in Optical Systems, 1959.
+inline Dispersion herzberger(const std::vector<double>& c) {
+  return tabulated_formula([&](double um) {
+    const double um2 = um * um, L = 1.0 / (um2 - 0.028);
+    return c[0] + c[1] * L + c[2] * L * L + um2 * (c[3] + um2 * (c[4] + um2 * c[5]));
+  });
+}
+
 }  // namespace abbe

@@ -1,7 +1,10 @@
 #include "abbe/load/spectra/text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "abbe/base/error.h"
 #include "abbe/base/text.h"
 
 namespace abbe {
@@ -28,6 +31,26 @@ std::vector<std::string_view> lines_of(std::string_view text) {
     lines.push_back(line);
   }
   return lines;
+}
+
+std::vector<double> numbers_of(const std::vector<std::string_view>& words, std::size_t first,
+                               const std::string& where) {
+  std::vector<double> numbers;
+  for (std::size_t i = first; i < words.size(); ++i) {
+    const auto number = finite_number_of(words[i]);
+    if (!number) throw_input_error(where, "\"" + std::string(words[i]) + "\"", "a finite number");
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+void add_rising(double wavelength_nm, const std::string& where,
+                std::vector<double>& wavelengths_nm) {
+  if (!wavelengths_nm.empty() && wavelength_nm <= wavelengths_nm.back()) {
+    throw_input_error(where, fmt::format("{} nm after {} nm", wavelength_nm, wavelengths_nm.back()),
+                      "rising wavelengths");
+  }
+  wavelengths_nm.push_back(wavelength_nm);
 }
 
 std::optional<double> finite_number_of(std::string_view word) {

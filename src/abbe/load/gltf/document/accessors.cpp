@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 
@@ -12,39 +13,24 @@
 namespace abbe::gltf {
 namespace {
 
-std::size_t component_size(int component_type) {
-  switch (component_type) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return 1;
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return 2;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-    case TINYGLTF_COMPONENT_TYPE_FLOAT:
-      return 4;
-    default:
-      return 0;
-  }
-}
+struct Component {
+  int type;
+  std::size_t size;
+  const char* name;
+};
+constexpr std::array<Component, 6> kComponents{
+    {{TINYGLTF_COMPONENT_TYPE_BYTE, 1, "BYTE"},
+     {TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, 1, "UNSIGNED_BYTE"},
+     {TINYGLTF_COMPONENT_TYPE_SHORT, 2, "SHORT"},
+     {TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, 2, "UNSIGNED_SHORT"},
+     {TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 4, "UNSIGNED_INT"},
+     {TINYGLTF_COMPONENT_TYPE_FLOAT, 4, "FLOAT"}}};
 
-const char* component_name(int component_type) {
-  switch (component_type) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return "BYTE";
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return "UNSIGNED_BYTE";
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return "SHORT";
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return "UNSIGNED_SHORT";
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-      return "UNSIGNED_INT";
-    case TINYGLTF_COMPONENT_TYPE_FLOAT:
-      return "FLOAT";
-    default:
-      return "an unknown component type";
+Component component_of(int type) {
+  for (const Component& known : kComponents) {
+    if (known.type == type) return known;
   }
+  return {type, 0, "an unknown component type"};
 }
 
 const char* type_name(int type) {
@@ -176,7 +162,7 @@ void Accessors::spend(std::size_t elements, const std::string& user) {
 Accessors::Run Accessors::run_of(int accessor) {
   const tinygltf::Accessor& a = model_.accessors[at(accessor)];
   const std::string pointer = fmt::format("/accessors/{}", accessor);
-  const std::size_t size = component_size(a.componentType);
+  const std::size_t size = component_of(a.componentType).size;
   if (size == 0) {
     throw_input_error(document_.where(pointer + "/componentType"), std::to_string(a.componentType),
                       "a component type", {"5120", "5121", "5122", "5123", "5125", "5126"});
@@ -229,7 +215,8 @@ Accessors::Run Accessors::sparse_run(int accessor, int view_index, std::size_t b
   const auto count = static_cast<std::size_t>(model_.accessors[at(accessor)].sparse.count);
   const std::string pointer = fmt::format("/accessors/{}/sparse/{}", accessor, part);
   const Bytes bytes = view(view_index, pointer);
-  const std::size_t element = component_size(component_type) * static_cast<std::size_t>(components);
+  const std::size_t element =
+      component_of(component_type).size * static_cast<std::size_t>(components);
   if (byte_offset > bytes.size() || count > (bytes.size() - byte_offset) / element) {
     throw_input_error(
         document_.where(pointer),
@@ -266,7 +253,7 @@ std::vector<std::uint32_t> Accessors::sparse_indices(int accessor) {
   if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE &&
       type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
       type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
-    throw_input_error(document_.where(pointer + "/indices/componentType"), component_name(type),
+    throw_input_error(document_.where(pointer + "/indices/componentType"), component_of(type).name,
                       "an unsigned type", {"5121", "5123", "5125"});
   }
   if (static_cast<std::size_t>(sparse.count) > a.count) {
@@ -342,7 +329,9 @@ void Accessors::require_type(int accessor, const std::string& user,
                     fmt::format("accessor {} of type {}", accessor, type_name(type)), expected);
 }
 
-void Accessors::check_components(int accessor, const std::string& user, Components allowed) const {
+void Accessors::check(int accessor, const std::string& user, std::initializer_list<int> types,
+                      Components allowed) const {
+  require_type(accessor, user, types);
   const tinygltf::Accessor& a = model_.accessors[at(accessor)];
   const int type = a.componentType;
   bool good = type == TINYGLTF_COMPONENT_TYPE_FLOAT;
@@ -355,7 +344,7 @@ void Accessors::check_components(int accessor, const std::string& user, Componen
   if (!good) {
     throw_input_error(document_.where(user),
                       fmt::format("accessor {} of component type {} ({}){}", accessor, type,
-                                  component_name(type), a.normalized ? ", normalized" : ""),
+                                  component_of(type).name, a.normalized ? ", normalized" : ""),
                       allowed == Components::FloatOnly ? "FLOAT, or KHR_mesh_quantization"
                                                        : "FLOAT or a normalized unsigned type");
   }
@@ -363,29 +352,25 @@ void Accessors::check_components(int accessor, const std::string& user, Componen
 
 std::vector<Vec2f> Accessors::vec2(int accessor, const std::string& user, Components allowed,
                                    const Selection& selected) {
-  require_type(accessor, user, {TINYGLTF_TYPE_VEC2});
-  check_components(accessor, user, allowed);
+  check(accessor, user, {TINYGLTF_TYPE_VEC2}, allowed);
   return read<2>(accessor, selected, 0.0f);
 }
 
 std::vector<Vec3f> Accessors::vec3(int accessor, const std::string& user, Components allowed,
                                    const Selection& selected) {
-  require_type(accessor, user, {TINYGLTF_TYPE_VEC3});
-  check_components(accessor, user, allowed);
+  check(accessor, user, {TINYGLTF_TYPE_VEC3}, allowed);
   return read<3>(accessor, selected, 0.0f);
 }
 
 std::vector<Vec4f> Accessors::vec4(int accessor, const std::string& user, Components allowed,
                                    const Selection& selected) {
-  require_type(accessor, user, {TINYGLTF_TYPE_VEC4});
-  check_components(accessor, user, allowed);
+  check(accessor, user, {TINYGLTF_TYPE_VEC4}, allowed);
   return read<4>(accessor, selected, 0.0f);
 }
 
 std::vector<Vec4f> Accessors::color(int accessor, const std::string& user, Components allowed,
                                     const Selection& selected) {
-  require_type(accessor, user, {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4});
-  check_components(accessor, user, allowed);
+  check(accessor, user, {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4}, allowed);
   return read<4>(accessor, selected, 1.0f);
 }
 
@@ -397,7 +382,7 @@ std::vector<std::uint32_t> Accessors::indices(int accessor, const std::string& u
       a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
     throw_input_error(document_.where(user),
                       fmt::format("accessor {} of component type {} ({})", accessor,
-                                  a.componentType, component_name(a.componentType)),
+                                  a.componentType, component_of(a.componentType).name),
                       "UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT");
   }
   std::vector<std::uint32_t> values = read_integers(run_of(accessor));

@@ -65,7 +65,8 @@ class Accessors {
   static std::size_t at(int index) { return static_cast<std::size_t>(index); }
   Bytes buffer(int index);
   Run run_of(int accessor);
-  void check_components(int accessor, const std::string& user, Components allowed) const;
+  void check(int accessor, const std::string& user, std::initializer_list<int> types,
+             Components allowed) const;
   template <int N>
   std::vector<glm::vec<N, float>> read(int accessor, const Selection& selected, float fill);
   template <int N>

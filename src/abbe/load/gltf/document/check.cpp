@@ -205,7 +205,7 @@ void check_structure(Document& document) {
   for (const Rule& rule : structure_rules()) checker.check(rule);
   for (const char* collection : kNamed) {
     const std::string path = fmt::format("/{}/*/name", collection);
-    checker.check({path.c_str(), Is::Text});
+    checker.check({path, Is::Text});
   }
   const auto version = json["asset"]["version"].get<std::string>();
   const auto min_version = json["asset"].value("minVersion", Json("2.0"));

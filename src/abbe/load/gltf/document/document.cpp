@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "abbe/base/error.h"
 #include "abbe/base/file.h"

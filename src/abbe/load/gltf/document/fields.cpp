@@ -82,16 +82,24 @@ double Fields::limited(const char* name, double otherwise, Range range) const {
 
 Vec3d Fields::limited_triple(const char* name, const Vec3d& otherwise, Range range) const {
   if (!has(name)) return otherwise;
-  const Json& value = at(name);
-  if (!value.is_array() || value.size() != 3) {
-    throw_input_error(where(name), describe(value), "an array of 3 numbers");
+  std::vector<double> values = numbers(name, 3, 3, {});
+  limit_all(values, range, where(name), document_->notes());
+  return {values[0], values[1], values[2]};
+}
+
+std::vector<double> Fields::numbers(const char* name, std::size_t least, std::size_t most,
+                                    Range range) const {
+  const Json* value = has(name) ? &at(name) : nullptr;
+  if (value == nullptr || !value->is_array() || value->size() < least || value->size() > most) {
+    throw_input_error(where(name), value == nullptr ? "nothing" : describe(*value),
+                      fmt::format("an array of {}{} numbers", least,
+                                  least == most ? "" : fmt::format(" to {}", most)));
   }
-  Vec3d result;
-  for (int c = 0; c < 3; ++c) {
-    const std::string place = where(name) + "/" + std::to_string(c);
-    result[c] = finite_number(value[static_cast<std::size_t>(c)], place, {});
+  std::vector<double> result;
+  for (const Json& number : *value) {
+    result.push_back(
+        finite_number(number, fmt::format("{}/{}", where(name), result.size()), range));
   }
-  limit_all({&result[0], 3}, range, where(name), document_->notes());
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "abbe/load/gltf/document/document.h"
 #include "abbe/math/vec.h"
@@ -45,6 +46,9 @@ class Fields {
   double limited(const char* name, double otherwise, Range range) const;
   /// Three numbers, limited likewise.
   Vec3d limited_triple(const char* name, const Vec3d& otherwise, Range range) const;
+  /// An array of so many numbers. Errors: input Error, also where it is absent.
+  std::vector<double> numbers(const char* name, std::size_t least, std::size_t most,
+                              Range range) const;
   std::string required_text(const char* name) const;
   /// A member that is an object, if present.
   std::optional<Fields> object(const char* name) const;

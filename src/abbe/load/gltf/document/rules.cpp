@@ -3,67 +3,73 @@
 namespace abbe::gltf {
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
+using Rules = std::vector<Rule>;
 
-Rule object(const char* path, bool required = false) {
-  return {path, Is::Object, required};
+Rules object(const char* path, bool required = false) {
+  return {{path, Is::Object, required}};
 }
-Rule array(const char* path, double low = 0, double high = kMaxElements, bool required = false) {
-  return {path, Is::Array, required, low, high};
+Rules array(const char* path) {
+  return {{path, Is::Array, false, 0, kMaxElements}};
 }
-Rule number(const char* path, double low = -kInf, double high = kInf) {
-  return {path, Is::Number, false, low, high};
+// An array, and what each of its elements is.
+Rules array_of(Is element, const std::string& path, double low = 0, double high = kMaxElements,
+               bool required = false) {
+  return {{path, Is::Array, required, low, high}, {path + "/*", element}};
 }
-Rule integer(const char* path, double low, double high, bool required = false) {
-  return {path, Is::Integer, required, low, high};
+Rules number(const char* path) {
+  return {{path, Is::Number}};
 }
-Rule index(const char* path, const char* target, bool required = false) {
-  return {path, Is::Index, required, 0, 0, target};
+Rules integer(const char* path, double low, double high, bool required = false) {
+  return {{path, Is::Integer, required, low, high}};
 }
-Rule text(const char* path, bool required = false) {
-  return {path, Is::Text, required};
+Rules index(const char* path, const char* target, bool required = false) {
+  return {{path, Is::Index, required, 0, 0, target}};
 }
-Rule boolean(const char* path) {
-  return {path, Is::Boolean};
+Rules texture(const std::string& path) {
+  return {{path, Is::Object}, {path + "/index", Is::Index, true, 0, 0, "/textures"}};
+}
+Rules text(const char* path, bool required = false) {
+  return {{path, Is::Text, required}};
+}
+Rules boolean(const char* path) {
+  return {{path, Is::Boolean}};
+}
+
+Rules flattened(const std::vector<Rules>& parts) {
+  Rules all;
+  for (const Rules& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
 }
 
 }  // namespace
 
 const std::vector<Rule>& structure_rules() {
-  static const std::vector<Rule> kRules = {
+  static const std::vector<Rule> kRules = flattened({
       object("/asset", true),
       text("/asset/version", true),
-      array("/extensionsUsed"),
-      text("/extensionsUsed/*"),
-      array("/extensionsRequired"),
-      text("/extensionsRequired/*"),
+      array_of(Is::Text, "/extensionsUsed"),
+      array_of(Is::Text, "/extensionsRequired"),
       object("/extensions"),
       object("/extensions/KHR_lights_punctual"),
-      array("/extensions/KHR_lights_punctual/lights"),
-      object("/extensions/KHR_lights_punctual/lights/*"),
+      array_of(Is::Object, "/extensions/KHR_lights_punctual/lights"),
 
-      array("/buffers"),
-      object("/buffers/*"),
+      array_of(Is::Object, "/buffers"),
       integer("/buffers/*/byteLength", 1, kLargestInteger, true),
       text("/buffers/*/uri"),
-      array("/bufferViews"),
-      object("/bufferViews/*"),
+      array_of(Is::Object, "/bufferViews"),
       index("/bufferViews/*/buffer", "/buffers", true),
       integer("/bufferViews/*/byteOffset", 0, kLargestInteger),
       integer("/bufferViews/*/byteLength", 1, kLargestInteger, true),
       integer("/bufferViews/*/byteStride", 4, 252),
-      array("/accessors"),
-      object("/accessors/*"),
+      array_of(Is::Object, "/accessors"),
       index("/accessors/*/bufferView", "/bufferViews"),
       integer("/accessors/*/byteOffset", 0, kLargestInteger),
       integer("/accessors/*/componentType", 5120, 5126, true),
       integer("/accessors/*/count", 1, kLargestInteger, true),
       text("/accessors/*/type", true),
       boolean("/accessors/*/normalized"),
-      array("/accessors/*/min", 1, 16),
-      number("/accessors/*/min/*"),
-      array("/accessors/*/max", 1, 16),
-      number("/accessors/*/max/*"),
+      array_of(Is::Number, "/accessors/*/min", 1, 16),
+      array_of(Is::Number, "/accessors/*/max", 1, 16),
       object("/accessors/*/sparse"),
       integer("/accessors/*/sparse/count", 1, 2147483647.0, true),
       object("/accessors/*/sparse/indices", true),
@@ -74,67 +80,51 @@ const std::vector<Rule>& structure_rules() {
       index("/accessors/*/sparse/values/bufferView", "/bufferViews", true),
       integer("/accessors/*/sparse/values/byteOffset", 0, 2147483647.0),
 
-      array("/images"),
-      object("/images/*"),
+      array_of(Is::Object, "/images"),
       text("/images/*/uri"),
       text("/images/*/mimeType"),
       index("/images/*/bufferView", "/bufferViews"),
-      array("/samplers"),
-      object("/samplers/*"),
+      array_of(Is::Object, "/samplers"),
       integer("/samplers/*/magFilter", 0, 65535),
       integer("/samplers/*/minFilter", 0, 65535),
       integer("/samplers/*/wrapS", 0, 65535),
       integer("/samplers/*/wrapT", 0, 65535),
-      array("/textures"),
-      object("/textures/*"),
+      array_of(Is::Object, "/textures"),
       index("/textures/*/source", "/images"),
       index("/textures/*/sampler", "/samplers"),
 
-      array("/materials"),
-      object("/materials/*"),
+      array_of(Is::Object, "/materials"),
       object("/materials/*/pbrMetallicRoughness"),
-      array("/materials/*/pbrMetallicRoughness/baseColorFactor", 4, 4),
-      number("/materials/*/pbrMetallicRoughness/baseColorFactor/*"),
+      array_of(Is::Number, "/materials/*/pbrMetallicRoughness/baseColorFactor", 4, 4),
       number("/materials/*/pbrMetallicRoughness/metallicFactor"),
       number("/materials/*/pbrMetallicRoughness/roughnessFactor"),
-      object("/materials/*/pbrMetallicRoughness/baseColorTexture"),
-      index("/materials/*/pbrMetallicRoughness/baseColorTexture/index", "/textures", true),
-      object("/materials/*/pbrMetallicRoughness/metallicRoughnessTexture"),
-      index("/materials/*/pbrMetallicRoughness/metallicRoughnessTexture/index", "/textures", true),
-      object("/materials/*/normalTexture"),
-      index("/materials/*/normalTexture/index", "/textures", true),
+      texture("/materials/*/pbrMetallicRoughness/baseColorTexture"),
+      texture("/materials/*/pbrMetallicRoughness/metallicRoughnessTexture"),
+      texture("/materials/*/normalTexture"),
       number("/materials/*/normalTexture/scale"),
-      object("/materials/*/occlusionTexture"),
-      index("/materials/*/occlusionTexture/index", "/textures", true),
-      object("/materials/*/emissiveTexture"),
-      index("/materials/*/emissiveTexture/index", "/textures", true),
-      array("/materials/*/emissiveFactor", 3, 3),
-      number("/materials/*/emissiveFactor/*"),
+      texture("/materials/*/occlusionTexture"),
+      texture("/materials/*/emissiveTexture"),
+      array_of(Is::Number, "/materials/*/emissiveFactor", 3, 3),
       text("/materials/*/alphaMode"),
       number("/materials/*/alphaCutoff"),
       boolean("/materials/*/doubleSided"),
       object("/materials/*/extensions"),
       object("/materials/*/extensions/*"),
 
-      array("/meshes"),
-      object("/meshes/*"),
-      array("/meshes/*/primitives", 1, kMaxElements, true),
-      object("/meshes/*/primitives/*"),
+      array_of(Is::Object, "/meshes"),
+      array_of(Is::Object, "/meshes/*/primitives", 1, kMaxElements, true),
       object("/meshes/*/primitives/*/attributes", true),
       index("/meshes/*/primitives/*/attributes/*", "/accessors"),
       index("/meshes/*/primitives/*/indices", "/accessors"),
       index("/meshes/*/primitives/*/material", "/materials"),
       integer("/meshes/*/primitives/*/mode", 0, 6),
-      array("/meshes/*/primitives/*/targets"),
-      object("/meshes/*/primitives/*/targets/*"),
+      array_of(Is::Object, "/meshes/*/primitives/*/targets"),
       index("/meshes/*/primitives/*/targets/*/*", "/accessors"),
-      array("/meshes/*/weights"),
-      number("/meshes/*/weights/*"),
+      array_of(Is::Number, "/meshes/*/weights"),
       object("/meshes/*/extensions"),
       object("/meshes/*/extensions/*"),
 
-      array("/cameras"),
-      object("/cameras/*"),
+      array_of(Is::Object, "/cameras"),
       text("/cameras/*/type", true),
       object("/cameras/*/perspective"),
       number("/cameras/*/perspective/yfov"),
@@ -148,36 +138,29 @@ const std::vector<Rule>& structure_rules() {
       number("/cameras/*/orthographic/zfar"),
 
       array("/skins"),
-      array("/nodes"),
-      object("/nodes/*"),
+      array_of(Is::Object, "/nodes"),
       array("/nodes/*/children"),
       index("/nodes/*/children/*", "/nodes"),
       index("/nodes/*/mesh", "/meshes"),
       index("/nodes/*/camera", "/cameras"),
       index("/nodes/*/skin", "/skins"),
-      array("/nodes/*/matrix", 16, 16),
-      number("/nodes/*/matrix/*"),
-      array("/nodes/*/translation", 3, 3),
-      number("/nodes/*/translation/*"),
-      array("/nodes/*/rotation", 4, 4),
-      number("/nodes/*/rotation/*"),
-      array("/nodes/*/scale", 3, 3),
-      number("/nodes/*/scale/*"),
-      array("/nodes/*/weights"),
-      number("/nodes/*/weights/*"),
+      array_of(Is::Number, "/nodes/*/matrix", 16, 16),
+      array_of(Is::Number, "/nodes/*/translation", 3, 3),
+      array_of(Is::Number, "/nodes/*/rotation", 4, 4),
+      array_of(Is::Number, "/nodes/*/scale", 3, 3),
+      array_of(Is::Number, "/nodes/*/weights"),
       object("/nodes/*/extensions"),
       object("/nodes/*/extensions/KHR_lights_punctual"),
       index("/nodes/*/extensions/KHR_lights_punctual/light",
             "/extensions/KHR_lights_punctual/lights", true),
 
-      array("/scenes"),
-      object("/scenes/*"),
+      array_of(Is::Object, "/scenes"),
       array("/scenes/*/nodes"),
       index("/scenes/*/nodes/*", "/nodes"),
       object("/scenes/*/extensions"),
       object("/scenes/*/extensions/*"),
       index("/scene", "/scenes"),
-  };
+  });
   return kRules;
 }
 

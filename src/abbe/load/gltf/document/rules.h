@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace abbe::gltf {
@@ -20,7 +21,7 @@ enum class Is {
 /// One fact about a document. `path` is a JSON pointer in which * stands for every element or
 /// member.
 struct Rule {
-  const char* path;
+  std::string path;
   Is type;
   bool required = false;
   double low = -std::numeric_limits<double>::infinity();

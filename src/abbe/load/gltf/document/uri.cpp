@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -166,8 +165,7 @@ Bytes Document::read_uri(const std::string& uri, const std::string& pointer) {
   const std::string type = uri.substr(5, comma - 5);
   const std::string_view content = std::string_view(uri).substr(comma + 1);
   constexpr std::string_view kBase64 = ";base64";
-  const bool is_base64 = type.size() >= kBase64.size() &&
-                         type.compare(type.size() - kBase64.size(), kBase64.size(), kBase64) == 0;
+  const bool is_base64 = type.ends_with(kBase64);
   if (!is_base64) {
     const std::string decoded = percent_decoded(std::string(content), place);
     kept_.emplace_back(decoded.begin(), decoded.end());

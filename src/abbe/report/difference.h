@@ -1,7 +1,6 @@
 /// The numbers of `abbe diff`, and the thresholds that its user sets.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "abbe/base/error.h"
+#include "abbe/base/file.h"
 
 namespace abbe {
 namespace {
@@ -34,6 +35,11 @@ std::string base64(std::span<const std::uint8_t> bytes) {
     }
   }
   return text;
+}
+
+std::string data_uri(const std::filesystem::path& file, const std::string& media_type) {
+  constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
+  return "data:" + media_type + ";base64," + base64(read_file(file, file.string(), kMaxBytes));
 }
 
 std::string deflated_base64(std::span<const std::uint8_t> bytes) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@ namespace abbe {
 
 /// RFC 4648, with padding.
 std::string base64(std::span<const std::uint8_t> bytes);
+
+/// A file as a `data:` URI. Errors: as read_file.
+std::string data_uri(const std::filesystem::path& file, const std::string& media_type);
 
 /// A zlib stream (RFC 1950) as base64: what a browser's DecompressionStream("deflate") takes.
 std::string deflated_base64(std::span<const std::uint8_t> bytes);

@@ -3,14 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 
+#include "abbe/base/constants.h"
 #include "abbe/report/json.h"
-#include "abbe/report/light_text.h"
 
 namespace abbe {
 namespace {
+
+constexpr double kDegrees = 180.0 / kPi;
 
 /// Levels that are shown by indentation.
 constexpr int kMaxIndents = 8;
@@ -122,10 +123,6 @@ struct Printer {
   }
 };
 
-nlohmann::ordered_json vector_json(const Vec3d& v) {
-  return {v.x, v.y, v.z};
-}
-
 nlohmann::ordered_json lane_json(const ProbeLane& lane, bool is_hit) {
   nlohmann::ordered_json json;
   json["lane"] = lane.lane;
@@ -175,6 +172,78 @@ nlohmann::ordered_json nodes_json(std::span<const ProbeNode> nodes) {
   return json;
 }
 
+// The first, the middle and the last wavelength of every chain; angles in degrees.
+std::string light_text(const LitPlace& lit) {
+  std::string text =
+      fmt::format("\nlight of {} on {} at {:.6g} {:.6g} {:.6g}: {}\n", lit.light, lit.surface,
+                  lit.place.x, lit.place.y, lit.place.z,
+                  lit.chains.empty() ? "none" : fmt::format("{} paths", lit.chains.size()));
+  for (const LitChain& chain : lit.chains) {
+    text += fmt::format("{}{}\n", chain.title, chain.is_blocked ? ", blocked" : "");
+    text += fmt::format("{:>13} {:>13} {:>12}  angles with the normals\n", "nm", "transmittance",
+                        "irradiance");
+    const std::size_t count = chain.paths.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      if (count > 3 && i != 0 && i != count / 2 && i + 1 != count) continue;
+      const LitPath& path = chain.paths[i];
+      std::string angles;
+      for (const LitCrossing& crossing : path.crossings) {
+        angles +=
+            fmt::format("{}{:.4f} -> {:.4f}", angles.empty() ? "" : ", ",
+                        kDegrees * crossing.at.incidence_rad, kDegrees * crossing.at.exit_rad);
+      }
+      text += fmt::format("{:>13} {:>13.4f} {:>12.4g}  {}\n", path.lane, path.path.transmittance,
+                          path.path.irradiance, angles);
+    }
+  }
+  return text;
+}
+
+// All of them; angles in degrees, positions in metres.
+nlohmann::ordered_json light_json(const LitPlace& lit) {
+  nlohmann::ordered_json json;
+  json["name"] = lit.light;
+  json["surface"] = lit.surface;
+  json["place_m"] = vector_json(lit.place);
+  json["chains"] = nlohmann::ordered_json::array();
+  for (const LitChain& chain : lit.chains) {
+    nlohmann::ordered_json one;
+    one["events"] = nlohmann::ordered_json::array();
+    for (const LitCrossing& crossing : chain.middle().crossings) {
+      one["events"].push_back(crossing.event);
+    }
+    one["paths"] = nlohmann::ordered_json::array();
+    for (const LitPath& lit_path : chain.paths) {
+      const LightPath& path = lit_path.path;
+      nlohmann::ordered_json entry;
+      if (lit_path.wavelength_nm) {
+        entry["wavelength_nm"] = *lit_path.wavelength_nm;
+      } else {
+        entry["channel"] = lit_path.lane;
+      }
+      entry["transmittance"] = path.transmittance;
+      entry["irradiance_per_lamp"] = path.irradiance;
+      entry["blocked"] = path.is_blocked;
+      entry["arrival"] = vector_json(path.arrival);
+      entry["crossings"] = nlohmann::ordered_json::array();
+      for (const LitCrossing& crossing : lit_path.crossings) {
+        const LightPathCrossing& at = crossing.at;
+        entry["crossings"].push_back({{"event", crossing.event},
+                                      {"body", crossing.body},
+                                      {"position_m", vector_json(at.position)},
+                                      {"incidence_deg", kDegrees * at.incidence_rad},
+                                      {"exit_deg", kDegrees * at.exit_rad},
+                                      {"n_before", at.n_before},
+                                      {"n_after", at.n_after},
+                                      {"share", at.share}});
+      }
+      one["paths"].push_back(std::move(entry));
+    }
+    json["chains"].push_back(std::move(one));
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string tree_text(std::span<const ProbeNode> nodes, const ProbeView& view) {
@@ -203,15 +272,14 @@ std::string probe_text(const PixelProbe& probe, const ProbeView& view) {
 }
 
 std::string probe_json(const PixelProbe& probe) {
-  const auto triple = [](const Vec3f& v) { return std::array<float, 3>{v.x, v.y, v.z}; };
   nlohmann::ordered_json json;
   json["pixel"] = {probe.pixel.x, probe.pixel.y};
   json["size"] = {probe.size.x, probe.size.y};
   if (probe.sample) json["sample"] = *probe.sample;
   json["mode"] = probe.mode;
   json["camera"] = {{"name", probe.camera},
-                    {"origin_m", triple(probe.origin)},
-                    {"direction", triple(probe.direction)}};
+                    {"origin_m", vector_json(probe.origin)},
+                    {"direction", vector_json(probe.direction)}};
   json["rays"] = nodes_json(probe.nodes);
   if (probe.lit) json["light"] = light_json(*probe.lit);
   return document_text(json);

@@ -172,9 +172,7 @@ class StudyLine {
 // What is asked for before minutes of loading, and what needs the scene.
 PreparedScene prepare(CompareArguments& arguments, const Standards& standards,
                       const Console& console) {
-  if (arguments.development.white != "scene") {
-    (void)development_options(arguments.development, standards, nullptr);
-  }
+  check_development(arguments.development, standards);
   Notes notes;
   PreparedScene prepared = prepare_scene(arguments.scene.choice, standards.catalogue, notes);
   settle_quick_size(arguments, prepared.chosen_camera());

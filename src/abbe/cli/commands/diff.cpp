@@ -51,11 +51,7 @@ LoadedImage load(const std::filesystem::path& file) {
 void keep_channels(Image& image, const std::vector<std::string>& names, const std::string& file) {
   std::vector<std::size_t> kept;
   for (const std::string& name : names) {
-    const auto index = image.channel_index(name);
-    if (!index) {
-      throw_usage_error("--channels", "\"" + name + "\"", "a channel of " + file, image.channels);
-    }
-    kept.push_back(*index);
+    kept.push_back(check_choice("--channels", name, "a channel of " + file, image.channels));
   }
   image.pixels = picked_values(image, kept);
   image.channels = names;
@@ -165,10 +161,6 @@ struct Map {
   double full_scale = 1.0;
 };
 
-std::vector<std::string> map_names() {
-  return {"flip", "de2000", "deitp", "max"};
-}
-
 Map chosen_map(const DiffCommand& arguments, const Image& image, const Image& reference,
                const std::optional<ColorMaps>& maps) {
   std::string name = arguments.map;
@@ -197,24 +189,20 @@ Map chosen_map(const DiffCommand& arguments, const Image& image, const Image& re
 }
 
 void write_maps(const DiffCommand& arguments, const Map& map, const Image& reference) {
-  for (const std::string& file : arguments.outputs) {
-    if (output_kind(file) == OutputKind::Raster) {
-      write_raster(file, heat_map(map.values, reference.width, reference.height, map.full_scale));
-      continue;
-    }
-    Image values = same_window(reference, {"Y"});
-    values.pixels = map.values;
-    write_exr(file, values, {});
+  const auto [exrs, rasters] = sorted_outputs(arguments.outputs);
+  for (const std::filesystem::path& file : rasters) {
+    write_raster(file, heat_map(map.values, reference.width, reference.height, map.full_scale));
   }
+  Image values = same_window(reference, {"Y"});
+  values.pixels = map.values;
+  for (const std::filesystem::path& file : exrs) write_exr(file, values, {});
 }
 
 ExitCode run_diff(const DiffCommand& arguments) {
   std::vector<Threshold> thresholds;
   for (const std::string& text : arguments.fails) thresholds.push_back(parse_threshold(text));
-  const std::vector<std::string> names = map_names();
-  if (!arguments.map.empty() &&
-      std::find(names.begin(), names.end(), arguments.map) == names.end()) {
-    throw_usage_error("--map", "\"" + arguments.map + "\"", "a map", names);
+  if (!arguments.map.empty()) {
+    check_choice("--map", arguments.map, "a map", {"flip", "de2000", "deitp", "max"});
   }
   const auto check_positive = [](const char* option, double value) {
     if (!(value > 0.0)) throw_usage_error(option, fmt::format("{:g}", value), "a number above 0");

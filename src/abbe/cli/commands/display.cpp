@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <set>
 
 #include "abbe/base/error.h"
@@ -139,15 +138,13 @@ void replace_colors(Image& image, const Image& rgb) {
     kept.push_back(c);
     result.channels.push_back(name);
   }
-  const std::size_t pixels = rgb.pixels.size() / 3;
+  const std::vector<float> others = picked_values(image, kept);
   result.pixels.clear();
-  result.pixels.reserve(pixels * result.channels.size());
-  for (std::size_t p = 0; p < pixels; ++p) {
-    result.pixels.insert(result.pixels.end(), rgb.pixels.begin() + 3 * p,
-                         rgb.pixels.begin() + 3 * p + 3);
-    for (const std::size_t c : kept) {
-      result.pixels.push_back(image.pixels[p * image.channel_count() + c]);
-    }
+  for (std::size_t p = 0; p < rgb.pixels.size() / 3; ++p) {
+    const auto color = rgb.pixels.begin() + 3 * p;
+    const auto other = others.begin() + kept.size() * p;
+    result.pixels.insert(result.pixels.end(), color, color + 3);
+    result.pixels.insert(result.pixels.end(), other, other + kept.size());
   }
   image = std::move(result);
 }
@@ -177,44 +174,34 @@ bool develop_again(const DisplayCommand& arguments, Image& image) {
 }
 
 ExitCode run_display(DisplayCommand& arguments) {
-  const std::vector<std::filesystem::path> files(arguments.outputs.begin(),
-                                                 arguments.outputs.end());
   resolve_display(arguments.display);
   if (arguments.false_color && arguments.gamut_warning) {
     throw_usage_error("--false-color", "--gamut-warning beside it", "one of the two");
   }
-  for (const std::filesystem::path& file : files) {
-    if (output_kind(file) == OutputKind::Exr && !arguments.development.any()) {
-      throw_usage_error("-o", "\"" + file.string() + "\"",
-                        "a display image, or --observer, --white or --adaptation to develop anew",
-                        {".png", ".jpg", ".jpeg", ".tif", ".tiff"});
-    }
+  const auto [exrs, rasters] = sorted_outputs(arguments.outputs);
+  if (!exrs.empty() && !arguments.development.any()) {
+    throw_usage_error("-o", "\"" + exrs.front().string() + "\"",
+                      "a display image, or --observer, --white or --adaptation to develop anew",
+                      {image_suffixes().begin() + 1, image_suffixes().end()});
   }
-  check_outputs(files);
+  check_outputs({arguments.outputs.begin(), arguments.outputs.end()});
   Image image = read_exr(arguments.input);
   ColorImage colors;
   if (develop_again(arguments, image)) {
     const ExrOptions exr{.chromaticities = chromaticities_of(kRenderSpace)};
-    for (const std::filesystem::path& file : files) {
-      if (output_kind(file) == OutputKind::Exr) write_exr(file, image, exr);
-    }
+    for (const std::filesystem::path& file : exrs) write_exr(file, image, exr);
     colors = {std::move(image), kRenderSpace};
   } else {
     colors = colors_of(arguments, std::move(image));
   }
   DisplayOptions& options = arguments.display.options;
   options.source_space = colors.space;
-  const bool has_raster = std::any_of(files.begin(), files.end(), [](const auto& file) {
-    return output_kind(file) == OutputKind::Raster;
-  });
-  if (!has_raster) return ExitCode::Done;
+  if (rasters.empty()) return ExitCode::Done;
   Image shown = arguments.false_color ? false_color_picture(colors, options)
                                       : to_display(colors.image, options);
   if (arguments.gamut_warning) mark_gamut(colors, options, shown);
-  for (const std::filesystem::path& file : files) {
-    if (output_kind(file) == OutputKind::Raster) {
-      write_raster(file, shown, arguments.display.raster);
-    }
+  for (const std::filesystem::path& file : rasters) {
+    write_raster(file, shown, arguments.display.raster);
   }
   return ExitCode::Done;
 }

@@ -101,11 +101,7 @@ ExitCode run_make(MakeArguments& arguments) {
     const auto same = std::find_if(images.begin(), images.end(), [&](const GoldenImage& other) {
       return other.name == image.name;
     });
-    if (same != images.end()) {
-      *same = image;
-    } else {
-      images.push_back(image);
-    }
+    (same != images.end() ? *same : images.emplace_back()) = image;
     write_golden_list(folder, images);
   }
   return ExitCode::Done;
@@ -118,11 +114,7 @@ std::vector<GoldenImage> chosen(const std::vector<GoldenImage>& images,
   std::vector<std::string> names;
   for (const GoldenImage& image : images) names.push_back(image.name);
   for (const std::string& name : only) {
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) {
-      throw_usage_error("--only", "\"" + name + "\"", "a golden image of the folder", names);
-    }
-    result.push_back(images[static_cast<std::size_t>(found - names.begin())]);
+    result.push_back(images[check_choice("--only", name, "a golden image of the folder", names)]);
   }
   return result;
 }

@@ -1,11 +1,12 @@
 /// `abbe inspect`: what was understood of a scene or an image, and what was not.
 
 #include <algorithm>
-#include <cctype>
 #include <memory>
 
+#include "abbe/base/text.h"
 #include "abbe/cli/commands/commands.h"
 #include "abbe/cli/describe/describe.h"
+#include "abbe/cli/options/outputs.h"
 #include "abbe/cli/options/typed.h"
 #include "abbe/cli/print/text.h"
 #include "abbe/session/prepare.h"
@@ -19,13 +20,9 @@ struct InspectArguments {
 };
 
 bool is_image(const std::filesystem::path& file) {
-  std::string suffix = file.extension().string();
-  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const char* known : {".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff"}) {
-    if (suffix == known) return true;
-  }
-  return false;
+  const std::string suffix = lower_case(file.extension().string());
+  return std::find(image_suffixes().begin(), image_suffixes().end(), suffix) !=
+         image_suffixes().end();
 }
 
 // A list of channels as one line: spectral ones would fill the screen.

@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "abbe/base/error.h"
 #include "abbe/base/file.h"
 #include "abbe/cli/commands/commands.h"
 #include "abbe/cli/commands/interrupt.h"
@@ -35,10 +34,7 @@ double seconds_since(Clock::time_point start) {
 
 // Display images first: they are made of the rendered space, which the EXR may leave.
 void write_images(const RenderArguments& arguments, Image image) {
-  std::vector<std::filesystem::path> rasters, exrs;
-  for (const std::filesystem::path file : arguments.outputs) {
-    (output_kind(file) == OutputKind::Exr ? exrs : rasters).push_back(file);
-  }
+  const auto [exrs, rasters] = sorted_outputs(arguments.outputs);
   const DisplayOptions& display = arguments.display.options;
   if (!rasters.empty()) {
     const Image shown = to_display(image, display);
@@ -75,10 +71,7 @@ void check_render_arguments(RenderArguments& arguments) {
   check_exr_options(arguments.exr);
   check_outputs({arguments.outputs.begin(), arguments.outputs.end()});
   if (!arguments.stats_file.empty()) check_writable(arguments.stats_file);
-  const bool has_raster =
-      std::any_of(arguments.outputs.begin(), arguments.outputs.end(),
-                  [](const auto& file) { return output_kind(file) == OutputKind::Raster; });
-  if (has_raster) check_display(arguments.display.options);
+  if (!sorted_outputs(arguments.outputs).rasters.empty()) check_display(arguments.display.options);
   if (arguments.color_space != kRenderSpace) {
     check_color_space(arguments.color_space, arguments.display.options);
   }
@@ -94,10 +87,7 @@ ExitCode run_render(RenderArguments& arguments) {
 
   Notes notes;
   const Standards standards = read_standards();
-  // What is wrong is said before minutes of loading.
-  if (arguments.development.white != "scene") {
-    (void)development_options(arguments.development, standards, nullptr);
-  }
+  check_development(arguments.development, standards);
   const PreparedScene prepared = prepare_scene(arguments.scene.choice, standards.catalogue, notes);
   settle_size(arguments.scene, prepared.chosen_camera());
   times.load_seconds = seconds_since(start);

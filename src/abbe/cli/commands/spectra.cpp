@@ -54,19 +54,6 @@ bool contains(const Interval& interval, double value) {
   return value >= interval.first && value <= interval.second;
 }
 
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return text;
-}
-
-void check_kind(const std::string& kind, const std::set<std::string>& kinds) {
-  if (kind.empty() || kinds.contains(kind)) return;
-  throw_usage_error("--kind", "\"" + kind + "\"", "a folder of the catalogue or a quantity",
-                    {kinds.begin(), kinds.end()});
-}
-
 // What cannot be read is said and left out: one file must not hide all others.
 Catalogue opened_catalogue() {
   Catalogue catalogue = Catalogue::standard();
@@ -140,24 +127,25 @@ ExitCode run_list(const SpectraArguments& arguments) {
     text += line + "\n";
     list.push_back(std::move(item));
   }
-  check_kind(arguments.kind, kinds);
+  if (!arguments.kind.empty()) {
+    check_choice("--kind", arguments.kind, "a folder of the catalogue or a quantity",
+                 {kinds.begin(), kinds.end()});
+  }
   print(arguments.as_json ? json_text(list) : text);
   return ExitCode::Done;
 }
 
 std::vector<double> wavelengths_of(const std::string& text) {
   std::vector<double> wavelengths_nm;
-  std::string rest = text;
-  while (!rest.empty()) {
-    const std::size_t comma = std::min(rest.find(','), rest.size());
-    const auto number = number_of(rest.substr(0, comma));
+  if (text.empty()) return wavelengths_nm;
+  for (const std::string& part : split(text, ',')) {
+    const auto number = number_of(part);
     if (!number || *number < kRangeMin_nm || *number > kRangeMax_nm) {
-      throw_usage_error("--at", "\"" + rest.substr(0, comma) + "\"",
+      throw_usage_error("--at", "\"" + part + "\"",
                         fmt::format("wavelengths from {} to {} nm, as in 486.13,587.56",
                                     kRangeMin_nm, kRangeMax_nm));
     }
     wavelengths_nm.push_back(*number);
-    rest = comma == rest.size() ? "" : rest.substr(comma + 1);
   }
   return wavelengths_nm;
 }
@@ -209,10 +197,8 @@ std::vector<CatalogueEntry> entries_to_plot(const SpectraArguments& arguments,
 }
 
 ExitCode run_plot(const SpectraArguments& arguments) {
-  static const std::vector<std::string> diagrams{"curves", "glass-map", "chromaticity"};
-  if (std::find(diagrams.begin(), diagrams.end(), arguments.diagram) == diagrams.end()) {
-    throw_usage_error("--diagram", "\"" + arguments.diagram + "\"", "a kind of diagram", diagrams);
-  }
+  check_choice("--diagram", arguments.diagram, "a kind of diagram",
+               {"curves", "glass-map", "chromaticity"});
   Interval range_nm{kRangeMin_nm, kRangeMax_nm};
   if (!arguments.range.empty()) range_nm = parse_range(arguments.range);
   if (!(range_nm.first >= kRangeMin_nm && range_nm.second <= kRangeMax_nm &&

@@ -15,6 +15,9 @@ namespace abbe {
 
 using Description = nlohmann::ordered_json;
 
+/// `[x, y, z]`.
+Description triple(const Vec3d& v);
+
 /// Cameras, lights, materials, meshes, shapes, textures, bounds, and what was ignored.
 Description describe_scene(const PreparedScene& prepared, Notes& notes);
 

@@ -13,10 +13,6 @@ namespace {
 
 constexpr double kDegrees = 180.0 / kPi;
 
-Description triple(const Vec3d& v) {
-  return {v.x, v.y, v.z};
-}
-
 // What is missing of the visible was a warning already.
 void note_range(const std::string& id, const std::optional<Vec2d>& stated_nm,
                 const std::string& quantity, const std::string& what_happens, Notes& notes) {
@@ -95,6 +91,10 @@ void note_approximations(const Material& material, const std::string& name, Note
 }
 
 }  // namespace
+
+Description triple(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
 
 double short_decimal(float value) {
   return std::stod(fmt::format("{}", value));

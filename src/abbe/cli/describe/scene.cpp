@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "abbe/base/constants.h"
@@ -14,10 +13,6 @@ namespace abbe {
 namespace {
 
 constexpr double kDegrees = 180.0 / kPi;
-
-Description triple(const Vec3d& v) {
-  return {v.x, v.y, v.z};
-}
 
 // A name, or the number of a nameless thing.
 std::string name_or_number(const std::string& name, std::size_t number) {

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <cmath>
 
@@ -58,9 +57,6 @@ Description describe_values(const CatalogueEntry& entry) {
 Description pair_of(const Vec2d& value) {
   return {value.x, value.y};
 }
-Description triple_of(const Vec3d& value) {
-  return {value.x, value.y, value.z};
-}
 
 void describe_rendering(const Spectrum& lamp, const SpectrumView& view, Description& out) {
   const auto rendering = color_rendering(lamp, view.observer, view.test_colors, view.daylight);
@@ -97,8 +93,8 @@ void describe_color(const Spectrum& fraction, const SpectrumView& view, Descript
   out["lamp"] = view.lamp_id;
   out["Y"] = xyz.y;
   out["xy"] = pair_of(xy_of_xyz(xyz));
-  out["Lab"] = triple_of(lab_of_xyz(xyz, white));
-  out["rgb_rec709"] = triple_of(rgb_rec709);
+  out["Lab"] = triple(lab_of_xyz(xyz, white));
+  out["rgb_rec709"] = triple(rgb_rec709);
 }
 
 }  // namespace

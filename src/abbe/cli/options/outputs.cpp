@@ -1,23 +1,34 @@
 #include "abbe/cli/options/outputs.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include "abbe/base/error.h"
 #include "abbe/base/file.h"
+#include "abbe/base/text.h"
+#include "abbe/image/channels.h"
 
 namespace abbe {
 
+const std::vector<std::string>& image_suffixes() {
+  static const std::vector<std::string> suffixes{".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff"};
+  return suffixes;
+}
+
 OutputKind output_kind(const std::filesystem::path& file) {
-  std::string suffix = file.extension().string();
-  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (suffix == ".exr") return OutputKind::Exr;
-  for (const char* raster : {".png", ".jpg", ".jpeg", ".tif", ".tiff"}) {
-    if (suffix == raster) return OutputKind::Raster;
+  const std::vector<std::string>& known = image_suffixes();
+  const auto suffix = std::find(known.begin(), known.end(), lower_case(file.extension().string()));
+  if (suffix == known.end()) {
+    throw_usage_error("-o", "\"" + file.string() + "\"", "a file name with a known suffix", known);
   }
-  throw_usage_error("-o", "\"" + file.string() + "\"", "a file name with a known suffix",
-                    {".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff"});
+  return suffix == known.begin() ? OutputKind::Exr : OutputKind::Raster;
+}
+
+Outputs sorted_outputs(const std::vector<std::string>& files) {
+  Outputs outputs;
+  for (const std::string& file : files) {
+    (output_kind(file) == OutputKind::Exr ? outputs.exrs : outputs.rasters).emplace_back(file);
+  }
+  return outputs;
 }
 
 void check_outputs(const std::vector<std::filesystem::path>& files) {
@@ -33,11 +44,7 @@ void check_outputs(const std::vector<std::filesystem::path>& files) {
 }
 
 void check_display(const DisplayOptions& options) {
-  Image image;
-  image.width = image.height = 1;
-  image.channels = {"R", "G", "B"};
-  image.pixels = {0.18f, 0.18f, 0.18f};
-  (void)to_display(image, options);
+  (void)to_display(grey_pixel(), options);
 }
 
 }  // namespace abbe

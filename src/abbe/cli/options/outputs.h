@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "abbe/display/display.h"
@@ -10,8 +11,19 @@ namespace abbe {
 
 enum class OutputKind { Exr, Raster };
 
+/// Small, with their dots; that of EXR is the first.
+const std::vector<std::string>& image_suffixes();
+
 /// By the suffix: EXR, or PNG, JPEG and TIFF. Errors: a usage Error that lists the suffixes.
 OutputKind output_kind(const std::filesystem::path& file);
+
+/// Files by their kind, each in the order given.
+struct Outputs {
+  std::vector<std::filesystem::path> exrs, rasters;
+};
+
+/// Errors: as output_kind.
+Outputs sorted_outputs(const std::vector<std::string>& files);
 
 /// Checks before any work that every file can be written and no two are the same.
 /// Errors: a usage Error for a suffix or a repeated file, an output Error for the rest.

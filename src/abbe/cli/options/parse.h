@@ -1,7 +1,6 @@
 /// Option values as they are typed.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>

@@ -69,10 +69,8 @@ void resolve_settings(SceneOptions& options) {
   RenderSettings& settings = options.settings;
   settings.mode = mode_from_name(options.mode);
   settings.uplift = uplift_from_name(options.uplift);
-  if (options.caustics != "exact" && options.caustics != "off") {
-    throw_usage_error("--caustics", options.caustics, "a way to follow light", {"exact", "off"});
-  }
-  settings.caustics = options.caustics == "exact";
+  settings.caustics =
+      check_choice("--caustics", options.caustics, "a way to follow light", {"exact", "off"}) == 0;
   if (!options.size.empty()) settings.size = parse_size(options.size);
   if (!options.range.empty()) {
     const auto [low, high] = parse_range(options.range);

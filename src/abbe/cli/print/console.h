@@ -12,7 +12,6 @@ class Console {
  public:
   explicit Console(bool quiet) : quiet_(quiet) {}
 
-  bool is_quiet() const { return quiet_; }
   /// Whether progress may be drawn: stderr is a terminal, and not quiet.
   bool is_live() const;
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <string>
 
 #include "abbe/render/render.h"
 #include "abbe/world/world.h"

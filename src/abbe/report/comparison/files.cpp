@@ -4,7 +4,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "abbe/base/file.h"
 #include "abbe/image/channels.h"
 #include "abbe/image/exr/exr.h"
 #include "abbe/image/metrics/heat_map.h"
@@ -20,12 +19,6 @@ namespace {
 // Ray trees kept in the page, along the longer side.
 constexpr int kTrees = 16;
 constexpr std::size_t kMaxTreeLines = 80;
-
-std::string data_uri(const std::filesystem::path& file, const char* type) {
-  constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
-  return std::string("data:image/") + type + ";base64," +
-         base64(read_file(file, file.string(), kMaxBytes));
-}
 
 }  // namespace
 
@@ -53,7 +46,7 @@ std::map<std::string, std::string> write_pictures(DisplayOptions display,
   std::size_t bytes = 0;
   for (const auto& [mode, shot] : result.modes) {
     write_raster(folder / (mode + ".png"), to_display(shot.image, display), raster);
-    pictures[mode] = data_uri(folder / (mode + ".png"), "png");
+    pictures[mode] = data_uri(folder / (mode + ".png"), "image/png");
     bytes += pictures[mode].size();
   }
   // Noise does not compress: what would not leave room for the rest is shown as JPEG.
@@ -61,7 +54,7 @@ std::map<std::string, std::string> write_pictures(DisplayOptions display,
   for (const auto& [mode, shot] : result.modes) {
     const std::filesystem::path file = folder / (mode + ".jpg");
     write_raster(file, to_display(shot.image, display));
-    pictures[mode] = data_uri(file, "jpeg");
+    pictures[mode] = data_uri(file, "image/jpeg");
     std::filesystem::remove(file);
   }
   return pictures;

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "abbe/base/text.h"
+#include "abbe/report/page.h"
+
 namespace abbe {
 namespace {
 
@@ -30,27 +33,8 @@ std::string tick_text(double value, double step) {
 }  // namespace
 
 std::string svg_escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        // XML has no control characters at all, not even escaped ones.
-        result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-  }
-  return result;
+  // XML has no control characters at all, not even escaped ones.
+  return html_text(printable(text));
 }
 
 std::vector<double> round_ticks(double low, double high, int count) {

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <system_error>
 
-#include "abbe/base/error.h"
 #include "abbe/base/file.h"
 #include "abbe/display/display.h"
 #include "abbe/image/channels.h"
@@ -24,9 +23,7 @@ std::string png_uri(const Image& rgb_encoded) {
            hash_bytes(rgb_encoded.pixels.data(), rgb_encoded.pixels.size() * sizeof(float))) +
        ".png");
   write_raster(file, rgb_encoded);
-  constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
-  const std::string uri =
-      "data:image/png;base64," + base64(read_file(file, file.string(), kMaxBytes));
+  const std::string uri = data_uri(file, "image/png");
   std::error_code error;
   std::filesystem::remove(file, error);
   return uri;
@@ -37,15 +34,8 @@ std::string png_uri(const Image& rgb_encoded) {
 Image with_channels(const Image& image, const std::vector<std::string>& channels,
                     const std::string& where) {
   if (image.channels == channels) return image;
-  std::vector<std::size_t> picked;
-  for (const std::string& channel : channels) {
-    const auto index = image.channel_index(channel);
-    if (!index)
-      throw_input_error(where, "no channel " + channel, "those of the reference", channels);
-    picked.push_back(*index);
-  }
   Image result = same_window(image, channels);
-  result.pixels = picked_values(image, picked);
+  result.pixels = picked_values(image, channel_places(image, channels, where));
   return result;
 }
 

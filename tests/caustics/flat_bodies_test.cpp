@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "abbe/base/constants.h"
 #include "abbe/caustics/flat/bodies.h"
+#include "abbe/math/polygon.h"
 #include "support/gems.h"
 #include "support/scene_builder.h"
 
@@ -110,15 +112,6 @@ TEST(FlatBodies, mesh_of_too_many_facets_is_left_to_straight_rays_with_one_warni
   expect_fallback(scene, "the box", "more than 512");
 }
 
-TEST(FlatBodies, gem_with_too_many_chains_is_left_to_straight_rays_with_one_warning) {
-  Scene scene;
-  scene.name = "test";
-  test::add_shape(scene, {.name = "gem", .geometry = test::brilliant()},
-                  test::add(scene, test::glass("glass/schott/N-SF66")), Mat4d(1.0));
-  scene.lights.push_back(test::point_light({1, 4, 0.5}, 1.0));
-  expect_fallback(scene, "gem", "too many chains", 8);
-}
-
 TEST(FlatBodies, film_that_a_texture_shapes_leaves_glass_to_straight_rays) {
   Scene scene = box_scene();
   ThinFilm film;
@@ -131,23 +124,81 @@ TEST(FlatBodies, film_that_a_texture_shapes_leaves_glass_to_straight_rays) {
   EXPECT_THAT(flat.fallbacks[0], HasSubstr("film"));
 }
 
-TEST(FlatBodies, dropped_body_leaves_the_others_whole) {
+// Two boxes of glass, the second moved from the first.
+FlatBodies two_boxes(const Vec3d& half, const Vec3d& shift, Notes& notes, int priority = 0) {
   Scene scene = box_scene();
-  test::add_shape(scene, {.name = "gem", .geometry = test::brilliant()},
-                  test::add(scene, test::glass(1.5)), test::translation({4, 0, 0}));
-  test::add_box(scene, test::add(scene, test::glass(1.5)), {0.5, 0.5, 0.5},
-                test::translation({8, 0, 0}));
+  Material other = test::glass(1.333);
+  other.priority = static_cast<std::int16_t>(priority);
+  test::add_box(scene, test::add(scene, other), half, test::translation(shift));
+  scene.instances.back().name = "second";
+  return find_flat_bodies(scene, notes);
+}
+
+std::size_t facets_between(const FlatBodies& flat, std::uint32_t body, std::uint32_t beyond) {
+  return static_cast<std::size_t>(std::count_if(
+      flat.facets.begin(), flat.facets.end(),
+      [&](const Facet& facet) { return facet.body == body && facet.beyond == beyond; }));
+}
+
+double area_between(const FlatBodies& flat, std::uint32_t body, std::uint32_t beyond) {
+  double area = 0.0;
+  for (const Facet& facet : flat.facets) {
+    if (facet.body == body && facet.beyond == beyond) area += area_of(facet.corners);
+  }
+  return area;
+}
+
+TEST(FlatBodies, faces_in_contact_are_one_boundary) {
   Notes notes;
-  FlatBodies flat = find_flat_bodies(scene, notes);
-  ASSERT_EQ(flat.bodies.size(), 3u);
-  flat = without_body(std::move(flat), 1, "it was asked for", notes);
+  const FlatBodies flat = two_boxes({0.5, 0.5, 0.5}, {1, 0, 0}, notes);
   ASSERT_EQ(flat.bodies.size(), 2u);
+  EXPECT_EQ(flat.facets.size(), 11u);
+  EXPECT_EQ(facets_between(flat, 0, 1), 1u);
+  EXPECT_EQ(facets_between(flat, 1, 0), 0u);
+  EXPECT_TRUE(notes.all().empty());
+}
+
+TEST(FlatBodies, face_on_a_part_of_a_face_cuts_it) {
+  Notes notes;
+  const FlatBodies flat = two_boxes({0.25, 0.125, 0.25}, {0.1, 0.625, 0.05}, notes);
+  ASSERT_EQ(flat.bodies.size(), 2u);
+  EXPECT_NEAR(area_between(flat, 0, 1), 0.25, 1e-12);
+  double top = 0.0;
+  for (const Facet& facet : flat.facets) {
+    if (facet.body == 0 && facet.normal.y > 0.5) top += area_of(facet.corners);
+  }
+  EXPECT_NEAR(top, 1.0, 1e-12);
+  EXPECT_EQ(flat.bodies[1].facet_count, 5u);
+}
+
+TEST(FlatBodies, gap_wider_than_rounding_is_air) {
+  Notes notes;
+  const FlatBodies flat = two_boxes({0.5, 0.5, 0.5}, {1.00001, 0, 0}, notes);
   EXPECT_EQ(flat.facets.size(), 12u);
-  EXPECT_EQ(flat.faces.size(), 12u);
-  EXPECT_EQ(flat.bodies[1].first_facet, 6u);
-  EXPECT_EQ(flat.bodies[1].first_face, 6u);
-  for (std::uint32_t f = 0; f < 12; ++f) EXPECT_EQ(flat.facets[f].body, f / 6);
-  EXPECT_EQ(notes.all().size(), 1u);
+  for (const Facet& facet : flat.facets) EXPECT_FALSE(facet.beyond.has_value());
+}
+
+TEST(FlatBodies, body_inside_another_has_that_before_it) {
+  Notes notes;
+  const FlatBodies flat = two_boxes({0.125, 0.125, 0.125}, {0.1, 0.2, 0}, notes);
+  ASSERT_EQ(flat.facets.size(), 12u);
+  EXPECT_EQ(facets_between(flat, 1, 0), 6u);
+  EXPECT_TRUE(flat.bodies[0].has_inclusions);
+}
+
+TEST(FlatBodies, body_inside_one_of_higher_priority_is_not_there) {
+  Notes notes;
+  const FlatBodies flat = two_boxes({0.125, 0.125, 0.125}, {0.1, 0.2, 0}, notes, -1);
+  ASSERT_EQ(flat.bodies.size(), 2u);
+  EXPECT_EQ(flat.bodies[1].facet_count, 0u);
+}
+
+TEST(FlatBodies, bodies_that_go_through_each_other_are_left_to_straight_rays) {
+  Notes notes;
+  const FlatBodies flat = two_boxes({0.5, 0.5, 0.5}, {0.35, 0.3, 0.25}, notes);
+  EXPECT_TRUE(flat.bodies.empty());
+  ASSERT_EQ(flat.fallbacks.size(), 2u);
+  EXPECT_THAT(flat.fallbacks[0], HasSubstr("go through those of"));
 }
 
 }  // namespace

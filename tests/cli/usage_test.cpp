@@ -43,7 +43,7 @@ const WrongUsage kWrong[] = {
     {"unknown_option", render_with({"--sppp", "4"}), "--spp"},
     {"caustics", render_with({"--caustics", "soft"}),
      "--caustics: found \"soft\", expected a way to follow light (one of exact, off)"},
-    {"chain", render_with({"--chain", "9"}), "--chain: found 9, expected a number from 0 to 8"},
+    {"chain", render_with({"--chain", "21"}), "--chain: found 21, expected a number from 0 to 20"},
     {"accel_unknown", render_with({"--accel", "bvh"}),
      "--accel: found \"bvh\", expected an accelerator (one of kdtree, brute)"},
     {"lamp_unknown", render_with({"--lamp", "nosuch"}), "\"nosuch\""},

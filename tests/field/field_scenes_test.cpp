@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <numeric>
 
 #include "abbe/base/constants.h"
 #include "abbe/image/exr/exr.h"
@@ -32,16 +34,21 @@ RenderSettings settings_of(const Vec2i& size, int samples) {
   return settings;
 }
 
-/// Radiances, row by row, in units of 1 cd/m² of equal energy.
-std::vector<double> radiances(const Scene& scene, const RenderSettings& settings) {
+/// Radiances of a line, row by row, in units of 1 cd/m² of equal energy.
+std::vector<double> radiances(const Scene& scene, const RenderSettings& settings,
+                              double line_nm = kLine_nm) {
   const Image image = test::render(scene, settings).image;
   std::vector<double> values;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
       values.push_back(
-          static_cast<double>(test::pixel(image, x, y, spectral_channel_name(kLine_nm))) /
+          static_cast<double>(test::pixel(image, x, y, spectral_channel_name(line_nm))) /
           kPerLuminance);
   return values;
+}
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 std::pair<double, double> extremes_of(const std::vector<double>& values) {
@@ -72,7 +79,12 @@ TEST_P(FieldWall, wall_behind_flat_bodies_gets_what_passes_them) {
   EXPECT_LT(most, expected.most + 1e-4);
 }
 
-INSTANTIATE_TEST_SUITE_P(scenes, FieldWall, testing::Values(WallCase{"F2_2_panes", 0.8409, 0.8496}),
+INSTANTIATE_TEST_SUITE_P(scenes, FieldWall,
+                         testing::Values(WallCase{"F2_2_panes", 0.8409, 0.8496},
+                                         WallCase{"F2_3_panes", 0.7711, 0.7901},
+                                         WallCase{"F3_plate_in_water", 0.9516, 0.9523},
+                                         WallCase{"F4_hollow_box", 0.8409, 0.8496},
+                                         WallCase{"F5_mirror_pane", 0.9170, 0.9187}),
                          [](const auto& test) { return std::string(test.param.scene); });
 
 struct PaneCase {
@@ -96,10 +108,49 @@ INSTANTIATE_TEST_SUITE_P(scenes, FieldPanes,
                          testing::Values(PaneCase{"um_10", "F6_panes_gap_1e-05", 0.8176}),
                          [](const auto& test) { return std::string(test.param.name); });
 
+TEST(FieldScene, line_at_a_prisms_rim_does_not_depend_on_the_other_lines) {
+  const Scene scene = load("F1_prism_red_rim");
+  RenderSettings settings = settings_of({24, 24}, 9);
+  settings.inner_reflections = 0;
+  const auto rim = [&](const std::vector<double>& lines_nm) {
+    settings.wavelengths.exact_nm = lines_nm;
+    const std::vector<double> all = radiances(scene, settings, 650.0);
+    std::vector<double> values;
+    for (std::size_t row = 16; row <= 21; ++row)
+      for (std::size_t column = 6; column <= 17; ++column) values.push_back(all[row * 24 + column]);
+    return values;
+  };
+  const std::vector<double> alone = rim({650.0});
+  const std::vector<double> together = rim({450.0, 550.0, 650.0});
+  EXPECT_GT(mean_of(alone), 0.0);
+  for (std::size_t i = 0; i < alone.size(); ++i)
+    EXPECT_NEAR(together[i], alone[i], 1e-6 * mean_of(alone)) << i;
+}
+
+TEST(FieldScene, concave_mirror_of_many_facets_focuses_what_falls_on_it) {
+  // 4 × 4 cm at the focus, of 10 × 10 cm of light.
+  const double share =
+      mean_of(shares_of_lamp(load("F7_concave_mirror_R4m"), settings_of({16, 16}, 16))) * 16.0 /
+      100.0;
+  // The image of a facet, 1.6 mm, is not small against the patch, and rounding bends facets.
+  EXPECT_NEAR(share, 1.0, 0.1);
+}
+
+// Beside the middle: to the left the emitter in the water, to the right the one in air.
+double seen_from_water(std::size_t column) {
+  return radiances(load("F8_camera_in_water"), settings_of({41, 41}, 4)).at(20 * 41 + column);
+}
+
 TEST(FieldScene, camera_in_water_sees_an_emitter_in_the_water_as_it_is) {
-  const Scene scene = load("F8_camera_in_water");
-  // Left of the middle.
-  EXPECT_NEAR(radiances(scene, settings_of({41, 41}, 4)).at(20 * 41 + 18), 1.0, 1e-3);
+  EXPECT_NEAR(seen_from_water(18), 1.0, 1e-3);
+}
+
+TEST(FieldScene, corner_cube_loses_no_light_to_a_limit_by_default) {
+  const Scene scene = load("F9_corner_cube");
+  RenderSettings settings = settings_of({24, 24}, 16);
+  const double by_default = mean_of(radiances(scene, settings));
+  settings.inner_reflections = 3;
+  EXPECT_NEAR(by_default / mean_of(radiances(scene, settings)), 1.0, 0.005);
 }
 
 }  // namespace

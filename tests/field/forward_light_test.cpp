@@ -33,10 +33,17 @@ TEST_P(FoundLight, irradiance_of_every_cell_is_that_of_light_followed_from_the_l
   EXPECT_NEAR(mean_of(found) / mean, 1.0, 0.01);
 }
 
-INSTANTIATE_TEST_SUITE_P(setups, FoundLight,
-                         testing::Values("bare_sun", "bare_point", "panes_1_sun", "panes_1_point",
-                                         "panes_2_point", "dyed_pane_sun", "dyed_pane_point",
-                                         "prism_sun", "prism_point", "cube_on_floor_point"),
+// Left out: a stirrer that owns a place in water, whose light goes straight; and the faint light of
+// a gem beside its bright one, on paths too weak to be kept.
+std::vector<std::string> found_setups() {
+  std::vector<std::string> names = optical_setup_names();
+  std::erase_if(names, [](const std::string& name) {
+    return name.starts_with("vessel_with_stirrer") || name.starts_with("diamond_over_floor");
+  });
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(setups, FoundLight, testing::ValuesIn(found_setups()),
                          [](const auto& test) { return test.param; });
 
 }  // namespace

@@ -30,7 +30,7 @@ void count_shadow_cost(const World& world, const ShadowBuffers& buffers,
   for (const ShadowJob& job : buffers.jobs) {
     QueryCost& cost = first_hits[job.sample].cost;
     const ShadowQueries& queries = buffers.queries_of(job);
-    const VisibilityMask blocking = blocking_bits(job.ends_at_glass);
+    const VisibilityMask blocking = blocking_bits(job.at_glass);
     if (!job.spread) {
       world.accelerator->any_hit_with_cost(queries.rays[job.first_query], blocking, cost);
       continue;

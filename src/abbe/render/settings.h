@@ -28,8 +28,8 @@ struct RenderSettings {
   double cutoff = 1e-4;              ///< Weight below which a fan no longer branches.
   bool drop = false;  ///< End such fans instead of following one child; loses energy.
   Uplift uplift = Uplift::JakobHanika;  ///< Of the scene's RGB colours, in spectral mode.
-  bool caustics = true;       ///< Light bent by flat facets exactly; else straight shadow rays.
-  int inner_reflections = 1;  ///< Of a chain of facets, in one body.
+  bool caustics = true;        ///< Light bent by flat facets exactly; else straight shadow rays.
+  int inner_reflections = 16;  ///< Most of them inside of bodies, on a chain of facets.
   bool multiple_scattering = false;    ///< Of rough metals, among their microfacets.
   std::uint32_t seed = 0;              ///< Of the sampling pattern.
   std::vector<std::string> aovs;       ///< Groups of extra channels, of aov_names().

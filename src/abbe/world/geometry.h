@@ -24,6 +24,7 @@ struct Surface {
   std::uint32_t first_vertex = 0;
   std::optional<std::uint32_t> normals_offset, tangents_offset, colors_offset;
   std::array<std::optional<std::uint32_t>, 2> uv_offset{};
+  bool ends_light = false;  ///< Its primitives have kExactGlassBit.
 };
 
 /// Placed meshes and exact shapes. Primitives are numbered triangles first, then ellipsoids, then

@@ -58,6 +58,9 @@ TabulatedScene tabulate(const Scene& scene, const WorldOptions& options, const O
 World make_world(TabulatedScene tables, Geometry geometry, std::span<const std::uint8_t> ends_light,
                  const std::string& accelerator) {
   const std::vector<VisibilityMask> masks = masks_of(geometry, tables.materials, ends_light);
+  for (std::size_t i = 0; i < geometry.surfaces.size(); ++i) {
+    geometry.surfaces[i].ends_light = ends_light[i] != 0;
+  }
   VisibilityMask bits = 0;
   for (const VisibilityMask mask : masks) bits |= mask;
   auto built = build_accelerator(accelerator, geometry.shapes(masks));

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "abbe/caustics/flat/arrangement.h"
 #include "abbe/caustics/flat/mesh_facets.h"
 #include "abbe/math/polygon.h"
 
@@ -52,7 +53,7 @@ void finish(FlatBodies& found, FlatBody& body, std::vector<Facet> facets) {
   for (std::size_t i = 0; i < facets.size();) {
     std::size_t end = i;
     while (end < facets.size() && facets[end].normal == facets[i].normal &&
-           facets[end].distance == facets[i].distance) {
+           facets[end].distance == facets[i].distance && facets[end].beyond == facets[i].beyond) {
       facets[end].body = number;
       bound(std::span<const Facet>(&facets[end], 1), facets[end]);
       ++end;
@@ -61,6 +62,7 @@ void finish(FlatBodies& found, FlatBody& body, std::vector<Facet> facets) {
     face.first_facet = body.first_facet + static_cast<std::uint32_t>(i);
     face.facet_count = static_cast<std::uint32_t>(end - i);
     face.body = number;
+    face.beyond = facets[i].beyond;
     bound(std::span<const Facet>(&facets[i], end - i), face);
     found.faces.push_back(face);
     i = end;
@@ -182,7 +184,8 @@ MeshOutcome mesh_outcome(const Mesh& mesh, const MeshFacets& mesh_facets, bool i
 }
 
 // Adds an instance if it is a flat body.
-void add_instance(const Scene& scene, std::uint32_t number, Notes& notes, FlatBodies& found) {
+void add_instance(const Scene& scene, std::uint32_t number, Notes& notes, FlatBodies& found,
+                  std::vector<BodyFacets>& bodies) {
   const Instance& instance = scene.instances[number];
   const auto* mesh_number = std::get_if<std::uint32_t>(&instance.what);
   const Mesh* mesh = mesh_number != nullptr ? &scene.meshes[*mesh_number] : nullptr;
@@ -196,6 +199,7 @@ void add_instance(const Scene& scene, std::uint32_t number, Notes& notes, FlatBo
   const Kind kind = kind_of(material);
   if (kind == Kind::None) return;
   body.is_mirror = kind == Kind::Mirror;
+  body.priority = material.priority;
   MeshOutcome outcome;
   if (has_textured_film(material)) outcome.trouble = "a texture shapes its thin film";
   if (shape != nullptr) {
@@ -209,50 +213,78 @@ void add_instance(const Scene& scene, std::uint32_t number, Notes& notes, FlatBo
     if (outcome.trouble.empty()) {
       outcome = mesh_outcome(*mesh, mesh_facets, body.is_mirror);
       if (outcome.facets.empty() && outcome.trouble.empty()) return;
-      body.is_convex = !body.is_mirror && is_convex(outcome.facets);
+      body.is_convex = is_convex(outcome.facets);
     }
   }
   if (outcome.trouble.empty()) {
-    finish(found, body, std::move(outcome.facets));
+    bodies.push_back({body, std::move(outcome.facets)});
   } else {
     leave_out(found, body, outcome.trouble, notes);
   }
 }
 
-// Marks bodies that something reaches into or lies in, by their boxes.
-void mark_inclusions(const Scene& scene, FlatBodies& found) {
+bool is_within(const Box3f& box, const Box3f& other) {
+  return glm::all(glm::lessThanEqual(other.low, box.low)) &&
+         glm::all(glm::lessThanEqual(box.high, other.high));
+}
+
+bool are_apart(const Box3f& a, const Box3f& b) {
+  return glm::any(glm::lessThan(a.high, b.low)) || glm::any(glm::lessThan(b.high, a.low));
+}
+
+const Material& material_of(const Scene& scene, const Instance& instance) {
+  const auto* mesh = std::get_if<std::uint32_t>(&instance.what);
+  return scene.materials[mesh != nullptr ? scene.meshes[*mesh].material
+                                         : std::get<Shape>(instance.what).material];
+}
+
+// Leaves out bodies that may lie in a medium whose boundary is not flat, and marks those that
+// something reaches into or lies in; by boxes.
+void look_around(const Scene& scene, std::vector<BodyFacets>& bodies, Notes& notes,
+                 FlatBodies& found) {
   std::vector<Box3f> boxes;
-  for (const Instance& instance : scene.instances) boxes.push_back(bounds_of(scene, instance));
-  for (FlatBody& body : found.bodies) {
-    const Box3f& own = boxes[body.instance];
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-      if (i == body.instance) continue;
-      const bool apart = glm::any(glm::lessThan(boxes[i].high, own.low)) ||
-                         glm::any(glm::lessThan(own.high, boxes[i].low));
-      body.has_inclusions |= !apart;
-    }
+  std::vector<std::uint32_t> others;
+  std::vector<bool> is_flat(scene.instances.size(), false);
+  for (const BodyFacets& body : bodies) is_flat[body.body.instance] = true;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    boxes.push_back(bounds_of(scene, scene.instances[i]));
+    if (!is_flat[i] && material_of(scene, scene.instances[i]).has_volume) others.push_back(i);
   }
+  std::erase_if(bodies, [&](BodyFacets& candidate) {
+    FlatBody& body = candidate.body;
+    const Box3f& own = boxes[body.instance];
+    const auto around = std::find_if(others.begin(), others.end(),
+                                     [&](std::uint32_t i) { return is_within(own, boxes[i]); });
+    if (around != others.end() && !body.is_mirror) {
+      leave_out(found, body, "it may lie in " + scene.instances[*around].name, notes);
+      return true;
+    }
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      body.has_inclusions |= i != body.instance && !are_apart(boxes[i], own);
+    }
+    return false;
+  });
 }
 
 }  // namespace
 
 FlatBodies find_flat_bodies(const Scene& scene, Notes& notes) {
   FlatBodies found;
-  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) add_instance(scene, i, notes, found);
-  mark_inclusions(scene, found);
-  return found;
-}
-
-FlatBodies without_body(FlatBodies flat, std::uint32_t body, const std::string& why, Notes& notes) {
-  FlatBodies kept;
-  kept.fallbacks = std::move(flat.fallbacks);
-  leave_out(kept, flat.bodies[body], why, notes);
-  for (std::uint32_t b = 0; b < flat.bodies.size(); ++b) {
-    if (b == body) continue;
-    const auto first = flat.facets.begin() + flat.bodies[b].first_facet;
-    finish(kept, flat.bodies[b], {first, first + flat.bodies[b].facet_count});
+  std::vector<BodyFacets> bodies;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    add_instance(scene, i, notes, found, bodies);
   }
-  return kept;
+  look_around(scene, bodies, notes, found);
+  for (auto troubles = arrange(bodies); !troubles.empty(); troubles = arrange(bodies)) {
+    std::sort(troubles.begin(), troubles.end(),
+              [](const auto& a, const auto& b) { return a.body > b.body; });
+    for (const SharedSpace& trouble : troubles) {
+      leave_out(found, bodies[trouble.body].body, trouble.why, notes);
+      bodies.erase(bodies.begin() + static_cast<std::ptrdiff_t>(trouble.body));
+    }
+  }
+  for (BodyFacets& body : bodies) finish(found, body.body, std::move(body.facets));
+  return found;
 }
 
 }  // namespace abbe

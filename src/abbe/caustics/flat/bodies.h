@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,8 @@
 
 namespace abbe {
 
-/// One convex piece of a flat face. A face that is not convex is several of them.
+/// One convex piece of a flat face that light sees. A face that is not convex, or of which parts
+/// touch different media, is several of them.
 struct Facet {
   Vec3d normal{0.0, 0.0, 1.0};  ///< Unit length, pointing out of the body.
   double distance = 0.0;        ///< n·x on the plane, metres.
@@ -20,12 +22,15 @@ struct Facet {
   double radius_m = 0.0;
   double rounding_m = 0.0;  ///< How far its corners may be off it, or the numbers of a file off.
   std::uint32_t body = 0;
+  /// The body whose medium lies in front of it; none: air.
+  std::optional<std::uint32_t> beyond = {};
 };
 
-/// Facets of a body that lie in one plane and side by side: a flat face, convex or not.
+/// Facets of a body that lie in one plane before one medium: a flat face, convex or not.
 struct Face {
   std::uint32_t first_facet = 0, facet_count = 0;
   std::uint32_t body = 0;
+  std::optional<std::uint32_t> beyond = {};
   Vec3d center{0.0};  ///< Of a sphere about the corners.
   double radius_m = 0.0;
 };
@@ -35,6 +40,7 @@ struct FlatBody {
   std::string name;
   std::uint32_t instance = 0;  ///< Number in the scene, which is that of its surface, too.
   std::uint32_t material = 0;
+  int priority = 0;  ///< Of closed bodies that overlap the higher one has the place.
   std::uint32_t first_facet = 0, facet_count = 0;
   std::uint32_t first_face = 0, face_count = 0;
   bool is_mirror = false;       ///< Opaque metal: it only reflects.
@@ -61,8 +67,5 @@ inline constexpr std::size_t kMaxFacets = 512;
 /// Errors: none; a mesh that is open, meets itself or has more than kMaxFacets facets is left out,
 ///         with one warning that names it.
 FlatBodies find_flat_bodies(const Scene& scene, Notes& notes);
-
-/// The bodies without one of them, with one warning that names it and says why.
-FlatBodies without_body(FlatBodies flat, std::uint32_t body, const std::string& why, Notes& notes);
 
 }  // namespace abbe

@@ -9,9 +9,12 @@ ChainStep make_chain_step(const FlatBodies& flat, std::uint32_t facet, ChainEven
   step.event = event;
   step.facet = facet;
   step.material = body.material;
+  if (of.beyond) step.outside = flat.bodies[*of.beyond].material;
   step.normal = Vec3f(of.normal);
   step.distance_m = static_cast<float>(of.distance);
-  step.is_checked = step.comes_from_inside() && (!body.is_convex || body.has_inclusions);
+  const FlatBody* through = step.comes_from_inside() ? &body : nullptr;
+  if (!step.comes_from_inside() && of.beyond) through = &flat.bodies[*of.beyond];
+  step.is_checked = through == nullptr || !through->is_convex || through->has_inclusions;
   return step;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "abbe/caustics/flat/bodies.h"
@@ -17,11 +18,20 @@ enum class ChainEvent : std::uint8_t { Enter, Leave, ReflectInside, ReflectOutsi
 /// A facet of a chain.
 struct ChainStep {
   ChainEvent event = ChainEvent::Enter;
-  std::uint32_t facet = 0;     ///< Index into FlatBodies::facets.
-  std::uint32_t material = 0;  ///< Of its body.
+  std::uint32_t facet = 0;               ///< Index into FlatBodies::facets.
+  std::uint32_t material = 0;            ///< Of its body.
+  std::optional<std::uint32_t> outside;  ///< The medium before the facet; none: air.
   Vec3f normal{0.0f};
   float distance_m = 0.0f;  ///< Plane n·x = distance, x relative to the chain's origin.
   bool is_checked = false;  ///< The segment inside that ends here may meet something.
+
+  /// The media that light comes from and goes on in, by their materials; none: air.
+  std::optional<std::uint32_t> comes_from() const {
+    return comes_from_inside() ? std::optional(material) : outside;
+  }
+  std::optional<std::uint32_t> goes_on_in() const {
+    return goes_on_inside() ? std::optional(material) : outside;
+  }
 
   bool comes_from_inside() const {
     return event == ChainEvent::Leave || event == ChainEvent::ReflectInside;
@@ -40,15 +50,18 @@ ChainStep make_chain_step(const FlatBodies& flat, std::uint32_t facet, ChainEven
 struct ChainPath {
   std::uint32_t light = 0;
   std::vector<ChainStep> steps;
-  bool ends_inside = false;  ///< It lights the inside of the last step's body.
-  Vec3f origin{0.0f};        ///< Points are taken relative to it: keeps precision.
-  float largest = 0.0f;      ///< Bound of what it adds to the light of its lamp, for any lane.
+  Vec3f origin{0.0f};    ///< Points are taken relative to it: keeps precision.
+  float largest = 0.0f;  ///< Bound of what it adds to the light of its lamp, for any lane.
+
+  /// The medium in which it lights places; none: air.
+  std::optional<std::uint32_t> ends_in() const { return steps.back().goes_on_in(); }
 };
 
-/// Most bodies that one chain goes through.
-inline constexpr int kMaxChainBodies = 2;
-
 /// Most facets of a chain.
-inline constexpr std::size_t kMaxChainSteps = 16;
+inline constexpr std::size_t kMaxChainSteps = 36;
+
+/// Most boundaries of a chain at which light is refracted: six panes in a row, and back and forth
+/// between the first and the last.
+inline constexpr std::size_t kMaxRefractions = 32;
 
 }  // namespace abbe

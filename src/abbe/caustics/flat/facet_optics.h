@@ -1,17 +1,41 @@
 /// What flat facets do to light, in double precision.
 #pragma once
 
+#include <optional>
+
+#include "abbe/math/vec.h"
 #include "abbe/world/world.h"
 
 namespace abbe {
 
-/// Where light comes from that meets a facet.
-enum class FacetSide { Outside, Inside };
+/// The media on the sides of a facet.
+struct FacetMedia {
+  const SurfaceMaterial* inside = nullptr;   ///< Its own material: glass, or a mirror's metal.
+  const SurfaceMaterial* outside = nullptr;  ///< Absent: air.
+};
 
-/// Share of unpolarised light that a smooth untextured facet reflects, under its thin film if it
-/// has one; at total internal reflection 1.
-/// Domain: cosine in [0, 1]; from inside only where light can be inside. Air is outside.
-double facet_reflectance(const TabulatedScene& tables, const SurfaceMaterial& material, int set,
-                         int lane, double cosine, FacetSide side);
+/// A lane of a wavelength set.
+struct Wave {
+  int set = 0, lane = 0;
+};
+
+/// What a facet does to a ray.
+struct FacetAnswer {
+  double reflected = 1.0;    ///< Share of power.
+  double transmitted = 0.0;  ///< Its tint counted, too; 0 at total reflection and of mirrors.
+  Vec3d reflected_direction{0.0}, refracted_direction{0.0};
+};
+
+/// What a smooth untextured facet does to unpolarised light, under its thin film if it has one.
+/// Domain: unit vectors; the normal points outwards, and the side is that which light comes from.
+FacetAnswer answer_of(const TabulatedScene& tables, const FacetMedia& media, const Wave& wave,
+                      const Vec3d& normal, const Vec3d& direction);
+
+/// Index of refraction of a medium; 1 of air.
+double index_of(const TabulatedScene& tables, const SurfaceMaterial* medium, const Wave& wave);
+
+/// The reflected share of that alone. Domain: cosine in [0, 1].
+double facet_reflectance(const TabulatedScene& tables, const FacetMedia& media, const Wave& wave,
+                         double cosine, bool from_inside);
 
 }  // namespace abbe

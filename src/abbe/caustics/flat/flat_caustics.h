@@ -8,6 +8,7 @@
 
 #include "abbe/base/notes.h"
 #include "abbe/caustics/flat/bodies.h"
+#include "abbe/caustics/flat/chain_index.h"
 #include "abbe/caustics/flat/parallel_chain.h"
 #include "abbe/caustics/flat/point_chain.h"
 #include "abbe/world/world.h"
@@ -16,15 +17,15 @@ namespace abbe {
 
 /// How light is followed over facets.
 struct CausticOptions {
-  bool exact = true;          ///< Otherwise straight shadow rays everywhere.
-  int inner_reflections = 1;  ///< Most of them in one body.
-  double cutoff = 1e-4;       ///< Chains whose weight stays below this are cut.
+  bool exact = true;           ///< Otherwise straight shadow rays everywhere.
+  int inner_reflections = 16;  ///< Most of them on one chain.
+  double cutoff = 1e-4;        ///< Chains whose weight stays below this are cut.
 };
 
 /// What was found and what was left out.
 struct CausticReport {
   std::size_t bodies = 0, facets = 0, chains = 0;
-  double share_cut = 0.0;  ///< Share of the light on facets that chains below the cutoff carried.
+  double share_cut = 0.0;  ///< Share of the light on facets that chains carry which were left out.
   std::vector<std::string> fallbacks;  ///< As in FlatBodies.
 };
 
@@ -42,8 +43,12 @@ struct FlatCaustics {
   /// By the number of a light; fewer where the last ones have none. A light that is followed has an
   /// entry, if only an empty one: its straight rays end at what followed light passes.
   std::vector<std::optional<LightChains>> of_lights;
+  ChainIndex near_parallel;  ///< Numbers in ParallelChains::chains.
+  ChainIndex near_point;     ///< Numbers in PointChains::groups.
   /// Per surface: not 0 where light that it lets pass comes on chains.
   std::vector<std::uint8_t> surface_is_exact;
+  /// Whether straight lines may cross more facets of glass than chains do.
+  bool exceeds_chains = false;
   CausticReport report;
 
   const LightChains* of_light(std::size_t light) const {

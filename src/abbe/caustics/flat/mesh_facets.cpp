@@ -13,6 +13,8 @@
 namespace abbe {
 namespace {
 
+// Larger meshes are no flat bodies anyway.
+constexpr std::size_t kFewTriangles = std::size_t{1} << 15;
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
 // How far rounding may have moved a corner: its coordinates are numbers of single precision, half a
@@ -58,8 +60,32 @@ MeshFacets::MeshFacets(const Mesh& mesh, const Mat4d& to_world) : mesh_(mesh) {
     rounding_m_.push_back(rounding_m(corner, to_world));
   }
   triangles_ = std::move(welded.triangles);
+  if (triangles_.size() <= kFewTriangles && !is_closed()) join_close_corners();
   if (glm::determinant(Mat3d(to_world)) >= 0.0) return;
   for (auto& t : triangles_) std::swap(t[1], t[2]);
+}
+
+// Writers that place each face by itself leave corners that differ by roundings: they are one.
+void MeshFacets::join_close_corners() {
+  std::vector<std::uint32_t> order(corners_.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return corners_[a].x < corners_[b].x; });
+  std::vector<std::uint32_t> joined(corners_.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const std::uint32_t own = order[i];
+    joined[own] = own;
+    for (std::size_t j = i; j-- > 0;) {
+      const double slack_m = rounding_m_[own] + rounding_m_[order[j]];
+      if (corners_[own].x - corners_[order[j]].x > slack_m) break;
+      if (glm::distance(corners_[own], corners_[order[j]]) <= slack_m)
+        joined[own] = joined[order[j]];
+    }
+  }
+  std::erase_if(triangles_, [&](std::array<std::uint32_t, 3>& t) {
+    for (std::uint32_t& corner : t) corner = joined[corner];
+    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+  });
 }
 
 bool MeshFacets::is_flat() const {

@@ -34,6 +34,7 @@ class MeshFacets {
     bool is_thin() const { return high - low <= 2.0 * rounding_m; }
   };
 
+  void join_close_corners();
   Vec3d area_of_triangle(std::size_t triangle) const;  ///< Along its normal, twice its area.
   std::vector<std::array<std::size_t, 3>> neighbours() const;
   std::vector<std::vector<std::size_t>> groups() const;

@@ -9,6 +9,7 @@
 /// θ_i covers A/cosθ_i of it and leaves with A·cosθ_t/cosθ_i; a reflection keeps the cross section.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -34,6 +35,18 @@ struct ParallelChain : ChainPath {
     return sets + (bends ? sets : 1) * geometry_arrays();
   }
 };
+
+/// Whether a ball about `center` may get light from a chain; a quick no.
+inline bool may_light(const ParallelChain& chain, const Vec3f& center, float radius_m) {
+  const Vec3f v = center - chain.bound_center;
+  const float along = glm::dot(v, chain.bound_axis);
+  const float reach = chain.bound_radius_m + radius_m;
+  if (along < -reach) return false;
+  // The cone's tip is a ball: at a distance its cross section has grown by that distance's share.
+  const float across2 = glm::dot(v, v) - along * along;
+  const float widest = reach * (1.0f + chain.bound_tan) + std::max(along, 0.0f) * chain.bound_tan;
+  return across2 <= widest * widest;
+}
 
 /// What a chain of parallel light has for each lane of a wavelength set: arrays of lane_stride
 /// floats. Of vectors, y and z follow x a stride apart.

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -44,9 +45,6 @@ struct UnfoldedFace {
   Mat3d to_world{1.0};  ///< Takes places back: x = to_world·x′ + shift.
   Vec3d shift{0.0};
 };
-
-/// Most boundaries of a chain at which light is refracted: in and out of each body.
-inline constexpr std::size_t kMaxRefractions = 2 * kMaxChainBodies;
 
 /// Where light of a chain goes, in the frame of the chain's group: a lit place at height h over the
 /// last face has along direction k of the bounds a coordinate of at most reach + h·slope.
@@ -90,8 +88,7 @@ struct PointChain : ChainPath {
 /// Chains of one light that end at the same face and side; they share a frame.
 struct PointChainGroup {
   std::uint32_t light = 0;
-  bool ends_inside = false;
-  std::uint32_t material = 0;                          ///< Of the last face's body.
+  std::optional<std::uint32_t> ends_in;                ///< As in ChainPath.
   Vec3f origin{0.0f}, normal{0.0f}, u{0.0f}, v{0.0f};  ///< The normal points to what is lit.
   ConeBounds bounds;                                   ///< Of all of them.
   std::uint32_t first_chain = 0, chain_count = 0;
@@ -120,6 +117,38 @@ inline constexpr std::array<float, 8> kBoundCosine{1,  kHalfRoot,  0, -kHalfRoot
                                                    -1, -kHalfRoot, 0, kHalfRoot};
 inline constexpr std::array<float, 8> kBoundSine{0, kHalfRoot,  1,  kHalfRoot,
                                                  0, -kHalfRoot, -1, -kHalfRoot};
+
+/// A place that touches a face is in front of it, too: closer than this share of its coordinates.
+inline constexpr float kTouches = 4e-6f;
+
+/// Where a ball lies in the frame of a group of chains.
+struct PlaceInGroup {
+  float height_m = 0.0f, radius_m = 0.0f;
+  float along_m[8];  ///< Along the directions of the bounds.
+};
+
+/// Whether a ball may get light from any chain of a group; a quick no.
+inline bool may_light(const PointChainGroup& group, const Vec3f& center, float radius_m,
+                      PlaceInGroup& place) {
+  const Vec3f v = center - group.origin;
+  place.height_m = glm::dot(v, group.normal);
+  place.radius_m = radius_m + kTouches * (std::abs(v.x) + std::abs(v.y) + std::abs(v.z));
+  if (place.height_m < -place.radius_m) return false;
+  const float u = glm::dot(v, group.u);
+  const float w = glm::dot(v, group.v);
+  for (std::size_t k = 0; k < 8; ++k) place.along_m[k] = u * kBoundCosine[k] + w * kBoundSine[k];
+  return true;
+}
+
+/// Whether a ball may lie in the bounds of a chain or group.
+inline bool may_be_in_bounds(const PlaceInGroup& place, const ConeBounds& bounds) {
+  const float height = std::max(place.height_m, 0.0f);
+  for (std::size_t k = 0; k < 8; ++k) {
+    const float grown = height * bounds.slope[k] + place.radius_m * std::abs(bounds.slope[k]);
+    if (place.along_m[k] > bounds.reach[k] + place.radius_m + grown) return false;
+  }
+  return true;
+}
 
 /// A place of a face, from its coordinates.
 inline Vec3d on_face(const UnfoldedFace& face, const Vec2d& at) {

@@ -54,7 +54,7 @@ void add_view_options(CLI::App& command, SceneOptions& options) {
             "light of lamps through and off flat facets: exact, or off for straight shadow rays "
             "(default: exact)");
   add_number(command, "--chain", settings.inner_reflections, "N",
-             fmt::format("most reflections inside a body on a path from a lamp (default: {})",
+             fmt::format("most reflections inside of glass on a path from a lamp (default: {})",
                          settings.inner_reflections));
   command.add_flag("--multiple-scattering", settings.multiple_scattering,
                    "rough metals give back what meets more than one microfacet (default: it is "

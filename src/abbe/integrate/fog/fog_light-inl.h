@@ -176,8 +176,7 @@ class FogLight {
         }
         ShadowJob job;
         job.spread = fan.spread;
-        job.ends_at_glass =
-            caustics_.of_light(static_cast<std::size_t>(&light - world_.lights.data())) != nullptr;
+        job.at_glass = rule_of(caustics_, static_cast<std::size_t>(&light - world_.lights.data()));
         add_job(in_fog, fog, to_light, job, [&](int lane) {
           return Ray{fog.places.get(lane), to_light.distance_m[lane], to_light.direction.get(lane)};
         });
@@ -190,7 +189,7 @@ class FogLight {
     LightGeometry to_light;
     ChainPlaces met;
     for (const ParallelChain& chain : caustics_.parallel.chains) {
-      if (chain.ends_inside) continue;
+      if (chain.ends_in()) continue;
       const ParallelChainLight<D> light(world_, caustics_.parallel, chain, in_fog.set);
       if (!light.segments(in_fog.rays, lit)) continue;
       for (int piece = 0; piece < pieces(in_fog.fan); ++piece) {
@@ -209,7 +208,7 @@ class FogLight {
     LightGeometry to_light;
     ChainPlaces met;
     for (const PointChainGroup& group : caustics_.point.groups) {
-      if (group.ends_inside || !find_segment(in_fog, group, group.bounds, lit)) continue;
+      if (group.ends_in || !find_segment(in_fog, group, group.bounds, lit)) continue;
       for (std::uint32_t c = group.first_chain; c < group.first_chain + group.chain_count; ++c) {
         const PointChain& chain = caustics_.point.chains[c];
         if (!find_segment(in_fog, group, chain.bounds, lit)) continue;
@@ -244,8 +243,10 @@ class FogLight {
                     const LightGeometry& to_light, const ChainPlaces& met) {
     ShadowJob job;
     job.spread = true;
-    job.ends_at_glass = true;
-    const auto ray_of = [&](int lane) { return LastRay(chain, met, fog.places.get(lane), lane); };
+    job.at_glass = AtGlass::Ends;
+    const auto ray_of = [&](int lane) {
+      return LastRay(chain, met, fog.places.get(lane), to_light.distance_m[lane], lane);
+    };
     if (!add_job(in_fog, fog, to_light, job, ray_of)) return;
     AddGates(shadows_, world_, chain, met, job);
   }

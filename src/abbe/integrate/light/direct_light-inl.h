@@ -52,7 +52,7 @@ class DirectLight {
       }
       ShadowJob job;
       const auto lamp = static_cast<std::uint32_t>(&light - world_.lights.data());
-      job.ends_at_glass = caustics_.of_light(lamp) != nullptr;
+      job.at_glass = rule_of(caustics_, lamp);
       if (!begin_job(surface, to_light, job)) continue;
       // Camera rays of neighbouring pixels mostly meet the same surface.
       shadows_.add(
@@ -92,12 +92,11 @@ class DirectLight {
     }
     LightGeometry to_light;
     ChainPlaces met;
-    for (const ParallelChain& chain : caustics_.parallel.chains) {
-      if (!may_light(chain, center, radius_m + pixel.reach_m)) continue;
-      if (chain.ends_inside &&
-          (fan.media.empty() || fan.media.top() != chain.steps.back().material)) {
-        continue;
-      }
+    const float reach_m = radius_m + pixel.reach_m;
+    for (const std::uint32_t number : caustics_.near_parallel.near(center, reach_m)) {
+      const ParallelChain& chain = caustics_.parallel.chains[number];
+      if (!may_light(chain, center, reach_m)) continue;
+      if (!comes_in(chain.ends_in(), fan.media)) continue;
       const ParallelChainLight<D> light(world_, caustics_.parallel, chain, set);
       if (!light.run(hit.position, pixel, to_light, met)) continue;
       send_arrived(chain, surface, to_light, met);
@@ -114,8 +113,9 @@ class DirectLight {
     LightGeometry to_light;
     ChainPlaces met;
     LanesInGroup<D> places;  // Of a spread fan.
-    for (const PointChainGroup& group : caustics_.point.groups) {
-      if (group.ends_inside && (fan.media.empty() || fan.media.top() != group.material)) continue;
+    for (const std::uint32_t number : caustics_.near_point.near(center, radius_m)) {
+      const PointChainGroup& group = caustics_.point.groups[number];
+      if (!comes_in(group.ends_in, fan.media)) continue;
       PlaceInGroup place;
       if (!may_light(group, center, radius_m, place)) continue;
       if (!is_in_bounds(place, group.bounds)) continue;
@@ -138,6 +138,11 @@ class DirectLight {
     }
   }
 
+  // Whether light of a chain that ends in a medium can come to a place in others.
+  static bool comes_in(const std::optional<std::uint32_t>& ends_in, const MediumStack& media) {
+    return !ends_in || media.innermost() == ends_in;
+  }
+
   // Of a sphere about `center` that holds the places of all lanes.
   float radius_of(const FanAtSurface& where, const Vec3f& center) const {
     if (!where.fan.spread) return 0.0f;
@@ -150,9 +155,10 @@ class DirectLight {
     ShadowJob job;
     if (!begin_job(surface, to_light, job)) return;
     job.spread = true;
-    job.ends_at_glass = true;
+    job.at_glass = AtGlass::Ends;
     shadows_.add(job, [&](int lane) {
-      return LastRay(chain, met, origin_of(surface.where.hit, to_light, lane), lane);
+      return LastRay(chain, met, origin_of(surface.where.hit, to_light, lane),
+                     to_light.distance_m[lane], lane);
     });
     AddGates(shadows_, world_, chain, met, job);
   }

@@ -64,10 +64,7 @@ class Paths {
     return kOffFacet * (std::abs(place_.x) + std::abs(place_.y) + std::abs(place_.z) + 1.0);
   }
 
-  bool ends_here(const ChainPath& chain) const {
-    if (!chain.ends_inside) return !medium_.has_value();
-    return medium_ == chain.steps.back().material;
-  }
+  bool ends_here(const ChainPath& chain) const { return medium_ == chain.ends_in(); }
 
   template <typename Make>
   void add(const ChainPath& chain, const Make& make) {
@@ -76,7 +73,7 @@ class Paths {
     for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
       if (auto path = make(lane)) {
         path->lane = lane;
-        finish(*path);
+        finish(chain, *path);
         result.paths.push_back(std::move(*path));
       }
     }
@@ -85,7 +82,7 @@ class Paths {
 
   void add_straight() {
     const auto straight = straight_path(light_, place_);
-    if (!straight || is_blocked(place_, -straight->direction, straight->length_m, true)) return;
+    if (!straight || is_blocked(place_, -straight->direction, straight->length_m)) return;
     LightPath path;
     path.start = straight->start;
     path.arrival = straight->direction;
@@ -163,19 +160,18 @@ class Paths {
     const SurfaceMaterial& material = world_.materials[step.material];
     crossing.body = facet.body;
     crossing.normal = facet.normal;
-    const double n =
-        world_.caustics.flat.bodies[facet.body].is_mirror ? 1.0 : value(material.index, lane);
-    crossing.n_before = step.comes_from_inside() ? n : 1.0;
-    crossing.n_after = step.goes_on_inside() ? n : 1.0;
+    crossing.n_before = index(step.comes_from(), lane);
+    crossing.n_after = index(step.goes_on_in(), lane);
     const auto angle = [&](const Vec3d& direction) {
       const double cosine = std::abs(glm::dot(direction, facet.normal));
       return std::atan2(glm::length(glm::cross(direction, facet.normal)), cosine);
     };
     crossing.incidence_rad = angle(crossing.direction_before);
     crossing.exit_rad = angle(crossing.direction_after);
-    const FacetSide side = step.comes_from_inside() ? FacetSide::Inside : FacetSide::Outside;
+    const SurfaceMaterial* outside = step.outside ? &world_.materials[*step.outside] : nullptr;
     const double reflectance =
-        facet_reflectance(world_, material, set_, lane, std::cos(crossing.incidence_rad), side);
+        facet_reflectance(world_, {&material, outside}, {set_, lane},
+                          std::cos(crossing.incidence_rad), step.comes_from_inside());
     crossing.share =
         step.refracts() ? (1.0 - reflectance) * value(material.base_color, lane) : reflectance;
   }
@@ -251,46 +247,30 @@ class Paths {
   }
 
   // Lengths, absorption, and whether the path is free.
-  void finish(LightPath& path) const {
+  void finish(const ChainPath& chain, LightPath& path) const {
     Vec3d from = path.start;
-    std::optional<std::uint32_t> medium = first_medium(path);
-    for (const LightPathCrossing& crossing : path.crossings) {
-      add_segment(from, crossing.position, medium, path);
-      path.transmittance *= crossing.share;
-      const std::uint32_t material = world_.caustics.flat.bodies[crossing.body].material;
-      if (crossing.event == ChainEvent::Enter) medium = material;
-      if (crossing.event == ChainEvent::Leave) medium.reset();
-      from = crossing.position;
+    for (std::size_t s = 0; s < chain.steps.size(); ++s) {
+      add_segment(from, path.crossings[s].position, chain.steps[s].comes_from(), path);
+      path.transmittance *= path.crossings[s].share;
+      from = path.crossings[s].position;
     }
-    add_segment(from, place_, medium, path);
+    add_segment(from, place_, chain.ends_in(), path);
     if (!light_.has_distance()) {
-      const Vec3d back = -Vec3d(light_.direction);
-      path.is_blocked |= is_blocked(path.start, back, kInfinity, true);
+      path.is_blocked |= is_blocked(path.start, -Vec3d(light_.direction), kInfinity);
     }
     path.irradiance = path.is_blocked ? 0.0 : path.irradiance * path.transmittance;
-  }
-
-  std::optional<std::uint32_t> first_medium(const LightPath& path) const {
-    const ChainEvent event = path.crossings.front().event;
-    const bool inside = event == ChainEvent::Leave || event == ChainEvent::ReflectInside;
-    if (!inside) return std::nullopt;
-    return world_.caustics.flat.bodies[path.crossings.front().body].material;
   }
 
   void add_segment(const Vec3d& from, const Vec3d& to, const std::optional<std::uint32_t>& medium,
                    LightPath& path) const {
     const double length_m = glm::distance(from, to);
     path.length_m += length_m;
-    const int lane = path.lane;
-    path.transmittance *= passes(medium, length_m, lane);
-    if (length_m > 0.0) {
-      path.is_blocked |= is_blocked(from, (to - from) / length_m, length_m, !medium);
-    }
+    path.transmittance *= passes(medium, length_m, path.lane);
+    if (length_m > 0.0) path.is_blocked |= is_blocked(from, (to - from) / length_m, length_m);
   }
 
-  // Whether anything opaque stands on a segment or, outside of glass, anything that bends light.
-  bool is_blocked(const Vec3d& from, const Vec3d& direction, double length_m,
-                  bool is_outside) const {
+  // Whether anything opaque stands on a segment or anything that bends light.
+  bool is_blocked(const Vec3d& from, const Vec3d& direction, double length_m) const {
     const double slack = slack_m() + kOffFacet * (std::isfinite(length_m) ? length_m : 0.0);
     Ray ray;
     ray.origin = Vec3f(from + slack * direction);
@@ -306,7 +286,7 @@ class Paths {
       const SurfacePoint point = surface_point(world_, ray.origin, ray.direction, hit);
       const Surface& surface = world_.geometry.surfaces[point.surface];
       if (!world_.materials[surface.material].lets_light_pass()) return true;
-      if (is_outside && world_.caustics.surface_is_exact[point.surface] != 0) return true;
+      if (world_.caustics.surface_is_exact[point.surface] != 0) return true;
       const Vec3f next = off_surface(point, ray.direction);
       ray.t_max -= glm::dot(next - ray.origin, ray.direction);
       ray.origin = next;

@@ -13,6 +13,14 @@
 
 namespace abbe {
 
+/// What flat glass does to a shadow ray.
+enum class AtGlass : std::uint8_t {
+  Passes,  ///< It goes on, weakened: no chains bring this light.
+  Ends,    ///< Its light comes on chains, or it is a part of one.
+  Counts,  ///< So it does through as many facets as chains have; through more it passes.
+};
+inline constexpr std::size_t kAtGlassRules = 3;
+
 /// Light on its way to lanes that wait to know whether it is blocked.
 struct ShadowJob {
   std::uint32_t sample = 0;
@@ -23,7 +31,7 @@ struct ShadowJob {
   MediumStack media;
   FanOrigin first_turn = FanOrigin::Camera;
   bool spread = false;
-  bool ends_at_glass = false;  ///< Flat glass blocks it: that light comes on chains.
+  AtGlass at_glass = AtGlass::Passes;
   /// A part of a chain's path that only multiplies the visibility of another job, of this data.
   std::optional<std::uint32_t> gate_of;
 };
@@ -38,24 +46,27 @@ struct ShadowQueries {
 };
 
 /// What stops shadow rays of a kind for good, and what may let them by weakened.
-inline VisibilityMask blocking_bits(bool ends_at_glass) {
-  return ends_at_glass ? kOpaqueBit | kExactGlassBit : kOpaqueBit;
+inline VisibilityMask blocking_bits(AtGlass at_glass) {
+  return at_glass == AtGlass::Ends ? kOpaqueBit | kExactGlassBit : kOpaqueBit;
 }
-inline VisibilityMask passing_bits(bool ends_at_glass) {
-  return ends_at_glass ? kTransparentBit : kTransparentBit | kExactGlassBit;
+inline VisibilityMask passing_bits(AtGlass at_glass) {
+  return at_glass == AtGlass::Ends ? kTransparentBit : kTransparentBit | kExactGlassBit;
 }
 
 /// Light that waits for its shadow rays: the working memory of a batch.
 struct ShadowBuffers {
   std::vector<ShadowJob> jobs;
-  AlignedVector<float> data;  ///< Light and visibility of the jobs.
-  /// Of paths that pass exact glass, and that end there.
-  std::array<ShadowQueries, 2> queries;
+  AlignedVector<float> data;                         ///< Light and visibility of the jobs.
+  std::array<ShadowQueries, kAtGlassRules> queries;  ///< By AtGlass.
   CoherentShadowRays coherent;
   AlignedVector<float> direct_light;  ///< What has arrived, per sample and lane.
 
-  ShadowQueries& queries_of(const ShadowJob& job) { return queries[job.ends_at_glass]; }
-  const ShadowQueries& queries_of(const ShadowJob& job) const { return queries[job.ends_at_glass]; }
+  ShadowQueries& queries_of(const ShadowJob& job) {
+    return queries[static_cast<std::size_t>(job.at_glass)];
+  }
+  const ShadowQueries& queries_of(const ShadowJob& job) const {
+    return queries[static_cast<std::size_t>(job.at_glass)];
+  }
 };
 
 }  // namespace abbe

@@ -103,8 +103,8 @@ class ShadowQueue {
   /// room for them.
   void resolve(std::span<float> light_parts) {
     if (b_.jobs.empty()) return;
-    for (const bool ends_at_glass : {false, true}) {
-      ask(b_.queries[ends_at_glass], blocking_bits(ends_at_glass));
+    for (std::size_t rule = 0; rule < kAtGlassRules; ++rule) {
+      ask(b_.queries[rule], blocking_bits(static_cast<AtGlass>(rule)));
     }
     for (const ShadowJob& job : b_.jobs) {
       const ShadowQueries& queries = b_.queries_of(job);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "abbe/caustics/flat/chain.h"
 #include "abbe/integrate/surface/material_sample.h"
 #include "abbe/optics/boundary.h"
 
@@ -19,6 +20,7 @@ struct ShadowPath {
   LaneMask lanes;
   std::uint32_t visibility = 0;  ///< Offset in ShadowBuffers::data.
   int set = 0;
+  std::size_t flat_crossings = 0;  ///< Facets of glass that chains lead over.
 };
 
 template <typename Body>
@@ -31,11 +33,12 @@ void for_each_lane(const LaneMask& lanes, int lane_count, const Body& body) {
 class ShadowTransmittance {
  public:
   ShadowTransmittance(const World& world, ShadowBuffers& buffers, const ShadowQueries& queries,
-                      VisibilityMask passing, IntegratorStats& stats)
+                      AtGlass rule, IntegratorStats& stats)
       : world_(world),
         buffers_(buffers),
         queries_(queries),
-        passing_(world.visibility_bits & passing),
+        rule_(rule),
+        passing_(world.visibility_bits & passing_bits(rule)),
         stats_(stats) {
     // Most rays meet nothing transparent: a packet finds that out for sixteen lanes at once.
     meets_.resize(queries.packets.size());
@@ -112,6 +115,8 @@ class ShadowTransmittance {
     const float distance_m = hit.is_hit() ? hit.t : path.ray.t_max;
     if (!hit.is_hit()) {
       if (!path.media.empty()) absorb(path, path.media.top(), distance_m);
+      const bool is_on_chains = path.flat_crossings > 0 && path.flat_crossings <= kMaxRefractions;
+      if (rule_ == AtGlass::Counts && is_on_chains) block(path);
       return false;
     }
     const SurfacePoint point = surface_point(world_, path.ray.origin, path.ray.direction, hit);
@@ -121,6 +126,7 @@ class ShadowTransmittance {
     const MediumChange change = cross(path.media, number, material.transmission, front);
     if (change.arrives_in) absorb(path, *change.arrives_in, distance_m);
     if (change.crossing != Crossing::Hidden) {
+      path.flat_crossings += world_.geometry.surfaces[point.surface].ends_light;
       pass(path, material, point, front ? path.media : change.behind);
     }
     path.media = change.behind;
@@ -169,6 +175,7 @@ class ShadowTransmittance {
   const World& world_;
   ShadowBuffers& buffers_;
   const ShadowQueries& queries_;
+  const AtGlass rule_;
   const VisibilityMask passing_;  ///< Of the surfaces that are there, those that let light by.
   IntegratorStats& stats_;
   std::vector<std::uint32_t> meets_;  ///< Per packet, the lanes that meet something transparent.
@@ -181,12 +188,13 @@ class ShadowTransmittance {
 
 void attenuate_by_transparent(const World& world, std::span<const CameraSample> samples,
                               ShadowBuffers& buffers, IntegratorStats& stats) {
-  for (const bool ends_at_glass : {false, true}) {
-    const ShadowQueries& queries = buffers.queries[ends_at_glass];
+  for (std::size_t number = 0; number < kAtGlassRules; ++number) {
+    const auto rule = static_cast<AtGlass>(number);
+    const ShadowQueries& queries = buffers.queries[number];
     if (queries.rays.empty() && queries.packets.empty()) continue;
-    ShadowTransmittance transmittance(world, buffers, queries, passing_bits(ends_at_glass), stats);
+    ShadowTransmittance transmittance(world, buffers, queries, rule, stats);
     for (const ShadowJob& job : buffers.jobs) {
-      if (job.ends_at_glass == ends_at_glass) transmittance.add(job, samples[job.sample].set);
+      if (job.at_glass == rule) transmittance.add(job, samples[job.sample].set);
     }
     transmittance.run();
   }

@@ -7,6 +7,7 @@
 #define ABBE_CAUSTICS_FLAT_LIGHT_FACET_REFLECTANCE_INL_H_
 #endif
 
+#include "abbe/caustics/flat/chain.h"
 #include "abbe/math/lanes-inl.h"
 #include "abbe/optics/boundary-inl.h"
 #include "abbe/world/world.h"
@@ -15,16 +16,17 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
-/// Share of light that a facet reflects, under its film; `inside`: for light from inside.
+/// Share of light that the facet of a step reflects, under its film.
 template <class D>
-HWY_INLINE VecOf<D> FacetReflectance(D d, const TabulatedScene& tables,
-                                     const SurfaceMaterial& material, int set, int i,
-                                     VecOf<D> cosine, bool inside) {
+HWY_INLINE VecOf<D> FacetReflectance(D d, const TabulatedScene& tables, const ChainStep& step,
+                                     int set, int i, VecOf<D> cosine) {
+  const SurfaceMaterial& material = tables.materials[step.material];
   const auto row = [&](RowId id) HWY_ATTR { return hn::LoadU(d, tables.row(id, set) + i); };
-  const auto one = hn::Set(d, 1.0f);
   const bool is_metal = material.metallic > 0.0f;
-  const auto index = is_metal ? one : row(material.index);
-  const auto n_incident = inside ? index : one;
+  const auto outside = step.outside ? row(tables.materials[*step.outside].index) : hn::Set(d, 1.0f);
+  const auto index = is_metal ? outside : row(material.index);
+  const bool inside = step.comes_from_inside();
+  const auto n_incident = inside ? index : outside;
   FilmLanes<VecOf<D>> store;
   const FilmLanes<VecOf<D>>* film = nullptr;
   if (material.film && material.film->thickness_max_nm > 0.0f) {
@@ -33,8 +35,8 @@ HWY_INLINE VecOf<D> FacetReflectance(D d, const TabulatedScene& tables,
     film = &store;
   }
   if (!is_metal) {
-    auto cos_transmitted = one;
-    const auto eta = inside ? hn::Div(one, index) : index;
+    auto cos_transmitted = n_incident;
+    const auto eta = hn::Div(inside ? outside : index, n_incident);
     return DielectricBoundary(d, film, cosine, eta, n_incident, &cos_transmitted);
   }
   if (!material.is_conductor) {

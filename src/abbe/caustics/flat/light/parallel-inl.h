@@ -24,18 +24,6 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
-/// Whether a ball about `center` may get light from a chain; a quick no.
-inline bool may_light(const ParallelChain& chain, const Vec3f& center, float radius_m) {
-  const Vec3f v = center - chain.bound_center;
-  const float along = glm::dot(v, chain.bound_axis);
-  const float reach = chain.bound_radius_m + radius_m;
-  if (along < -reach) return false;
-  // The cone's tip is a ball: at a distance its cross section has grown by that distance's share.
-  const float across2 = glm::dot(v, v) - along * along;
-  const float widest = reach * (1.0f + chain.bound_tan) + std::max(along, 0.0f) * chain.bound_tan;
-  return across2 <= widest * widest;
-}
-
 /// A chain's light at a batch of places, lane by lane.
 template <class D>
 class ParallelChainLight {
@@ -191,13 +179,14 @@ class ParallelChainLight {
         Store3(d, to_light, geometry.direction, i);
         hn::Store(length, d, geometry.distance_m.v + i);
       }
-      if (!step.goes_on_inside()) {
+      const auto medium = step.goes_on_in();
+      if (!medium) {
         fog_m = hn::Add(fog_m, length);
         continue;
       }
       // Where something may stand on a segment inside, the query for that absorbs, too.
       const bool is_asked = s + 1 == step_count || chain_.steps[s + 1].is_checked;
-      const SurfaceMaterial& material = tables_.materials[step.material];
+      const SurfaceMaterial& material = tables_.materials[*medium];
       if (is_asked || !material.absorption_per_m) continue;
       const V per_m = hn::LoadU(d, tables_.row(*material.absorption_per_m, set_) + i);
       irradiance = Attenuated(d, irradiance, per_m, length);

@@ -79,7 +79,8 @@ class PointChainLight {
   }
 
   // The path of the middle wavelength to the middle of the places; false where it and all others
-  // near it miss a face.
+  // near it miss a face. Where it is totally reflected, those of the least and the greatest index
+  // may yet arrive.
   bool start(const LaneArray3& positions, const LaneMask& lanes, bool is_one_place) {
     const int lane_count = tables_.lanes.lane_count();
     Vec3f center = positions.get(lanes.front());
@@ -110,12 +111,24 @@ class PointChainLight {
       }
     }
     const std::span<const double> indices(n.data(), count_ + 1);
-    if (!solve_crossings(chain_, indices, middle_, crossings_)) return false;
+    has_middle_ = solve_crossings(chain_, indices, middle_, crossings_);
+    if (!has_middle_) return widest_ > 0.0 && any_end_arrives(n, change);
     slopes_ = CrossingSlopes{};
     if (widest_ > 0.0 || radius_m > 0.0f) {
       slopes_ = crossing_slopes(chain_, indices, {change.data(), count_ + 1}, middle_, crossings_);
     }
     return may_cross(static_cast<double>(radius_m));
+  }
+
+  bool any_end_arrives(const std::array<double, kMaxRefractions + 1>& n,
+                       const std::array<double, kMaxRefractions + 1>& change) const {
+    for (const double towards : {-0.5, 0.5}) {
+      std::array<double, kMaxRefractions + 1> end{};
+      for (std::size_t j = 0; j <= count_; ++j) end[j] = n[j] + towards * change[j];
+      Crossings crossings{};
+      if (solve_crossings(chain_, {end.data(), count_ + 1}, middle_, crossings)) return true;
+    }
+    return false;
   }
 
   // Far from the outline of a face, no other lane will be inside: what crossings move by is taken
@@ -183,6 +196,13 @@ class PointChainLight {
       go_straight(place, shot);
       return hn::And(active, shot.is_valid);
     }
+    if (!has_middle_) {
+      V u = hn::Zero(d);
+      V v = u;
+      const auto solved = solve_one_by_one(place, active, i, u, v);
+      shoot(u, v, place, i, shot);
+      return hn::And(solved, shot.is_valid);
+    }
     // First order in the index and in the place.
     V share = hn::Zero(d);
     if (widest_ > 0.0) {
@@ -203,15 +223,23 @@ class PointChainLight {
     V u = guess([](const Vec2d& at) { return at.x; });
     V v = guess([](const Vec2d& at) { return at.y; });
     constexpr int kMaxShots = 6;
+    constexpr int kLastCorrection = 3;
+    constexpr float kNear = 1e-5f;
+    constexpr float kExact = 5e-7f;
     hn::Mask<D> waiting = active;
     for (int n = 0; n < kMaxShots; ++n) {
       shoot(u, v, place, i, shot);
-      const V tolerance = hn::Mul(total(shot), hn::Set(d, 1e-5f));
-      const auto hit = hn::And(shot.is_valid, hn::Le(shot.miss2, hn::Mul(tolerance, tolerance)));
-      waiting = hn::AndNot(hit, active);
-      if (hn::AllFalse(d, waiting)) return active;
+      const auto misses_by = [&](float path_share) {
+        const V tolerance = hn::Mul(total(shot), hn::Set(d, path_share));
+        const auto hit = hn::And(shot.is_valid, hn::Le(shot.miss2, hn::Mul(tolerance, tolerance)));
+        return hn::AndNot(hit, active);
+      };
+      waiting = misses_by(kNear);
+      // Near is what a last step makes exact: where the lanes started from is not seen any more.
+      const auto corrected = n < kLastCorrection ? misses_by(kExact) : waiting;
+      if (hn::AllFalse(d, corrected)) return active;
       if (n + 1 == kMaxShots) break;
-      const auto goes_on = hn::And(waiting, shot.is_valid);
+      const auto goes_on = hn::And(corrected, shot.is_valid);
       u = hn::IfThenElse(goes_on, hn::Add(u, shot.miss_u), u);
       v = hn::IfThenElse(goes_on, hn::Add(v, shot.miss_v), v);
     }
@@ -271,6 +299,25 @@ class PointChainLight {
     return inside;
   }
 
+  V in_fog(V light, V length_m) const {
+    const D d;
+    if (!tables_.fog) return light;
+    return Attenuated(d, light, hn::Set(d, tables_.fog->extinction_per_m),
+                      hn::Max(length_m, hn::Zero(d)));
+  }
+
+  // What is left of light on the segment that ends at a step. Where something may stand on it, and
+  // from the last face on, the query for that absorbs.
+  V absorbed(V light, const ChainStep& step, V length_m, int i) const {
+    const D d;
+    const auto medium = step.comes_from();
+    if (!medium) return in_fog(light, length_m);
+    const SurfaceMaterial& material = tables_.materials[*medium];
+    if (step.is_checked || !material.absorption_per_m) return light;
+    const V per_m = hn::LoadU(d, tables_.row(*material.absorption_per_m, set_) + i);
+    return Attenuated(d, light, per_m, hn::Max(length_m, hn::Zero(d)));
+  }
+
   // Walks over the faces of the chain: places, outlines, and what each leaves of the light.
   hn::Mask<D> walk(const Shot<D>& shot, hn::Mask<D> lit, int i, V& power, V3& last_place,
                    ChainPlaces& met) const {
@@ -290,6 +337,7 @@ class PointChainLight {
         place = shot.places[segment];
         cosine = shot.cos_in[segment];
         lit = hn::And(lit, hn::Ge(shot.lengths_m[segment], gone));
+        power = absorbed(power, step, hn::Sub(shot.lengths_m[segment], gone), i);
         ++segment;
         from = place;
         gone = zero;
@@ -300,6 +348,7 @@ class PointChainLight {
         const V t = hn::Div(Dot3(d, normal, to_plane), slope);
         lit = hn::And(lit, hn::Ge(t, gone));
         if (step.event == ChainEvent::ReflectInside) lit = hn::And(lit, hn::Gt(slope, zero));
+        power = absorbed(power, step, hn::Sub(t, gone), i);
         gone = t;
         place = Combine3(d, one, from, t, direction);
         cosine = hn::Min(hn::Abs(slope), one);
@@ -307,11 +356,10 @@ class PointChainLight {
       lit = hn::And(lit, is_inside(face, place, lit));
       if (hn::AllFalse(d, lit)) return lit;
       const SurfaceMaterial& material = tables_.materials[step.material];
-      const bool inside = step.comes_from_inside();
-      const V reflectance = FacetReflectance(d, tables_, material, set_, i, cosine, inside);
-      const bool passes = step.event == ChainEvent::Enter || step.event == ChainEvent::Leave;
+      const V reflectance = FacetReflectance(d, tables_, step, set_, i, cosine);
       const V tint = hn::LoadU(d, tables_.row(material.base_color, set_) + i);
-      power = hn::Mul(power, passes ? hn::Mul(hn::Sub(one, reflectance), tint) : reflectance);
+      power =
+          hn::Mul(power, step.refracts() ? hn::Mul(hn::Sub(one, reflectance), tint) : reflectance);
       Store3(d, moved(face.to_world, face.shift, place), met.places[s], i);
       last_place = place;
     }
@@ -360,18 +408,7 @@ class PointChainLight {
         hn::Mul(hn::LoadU(d, tables_.row(light_.row, set_) + i), hn::Mul(power, shot.jacobian));
     const V cosine = Dot3(d, shot.directions[0], Set3(d, light_.direction));
     irradiance = hn::Mul(irradiance, LampWindow(d, light_, path_m, cosine));
-    for (std::size_t j = 0; j <= count_; ++j) {
-      const V length = hn::Max(shot.lengths_m[j], zero);
-      if (chain_.media[j]) {
-        const SurfaceMaterial& medium = tables_.materials[*chain_.media[j]];
-        if (!medium.absorption_per_m) continue;
-        const V absorption = hn::LoadU(d, tables_.row(*medium.absorption_per_m, set_) + i);
-        irradiance = Attenuated(d, irradiance, absorption, length);
-      } else if (tables_.fog) {
-        const V per_m = hn::Set(d, tables_.fog->extinction_per_m);
-        irradiance = Attenuated(d, irradiance, per_m, length);
-      }
-    }
+    if (!chain_.media[count_]) irradiance = in_fog(irradiance, last_m);
     hn::Store(hn::IfThenElseZero(lit, irradiance), d, geometry.irradiance.v + i);
     const V3 arrives =
         moved(glm::transpose(chain_.fold), Vec3d(0.0), Select3(d, touches, last, straight));
@@ -389,6 +426,7 @@ class PointChainLight {
   const int set_;
   const std::size_t count_;
   Vec3d middle_{0.0};
+  bool has_middle_ = false;
   Crossings crossings_{};
   CrossingSlopes slopes_;
   double widest_ = 0.0, widest_middle_ = 1.0;

@@ -22,28 +22,6 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
-/// A place that touches a face is in front of it, too: closer than this share of its coordinates.
-inline constexpr float kTouches = 4e-6f;
-
-/// Where a ball lies in the frame of a group of chains.
-struct PlaceInGroup {
-  float height_m = 0.0f, radius_m = 0.0f;
-  float along_m[8];  ///< Along the directions of the bounds.
-};
-
-/// Whether a ball may get light from any chain of a group; a quick no.
-inline bool may_light(const PointChainGroup& group, const Vec3f& center, float radius_m,
-                      PlaceInGroup& place) {
-  const Vec3f v = center - group.origin;
-  place.height_m = glm::dot(v, group.normal);
-  place.radius_m = radius_m + kTouches * (std::abs(v.x) + std::abs(v.y) + std::abs(v.z));
-  if (place.height_m < -place.radius_m) return false;
-  const float u = glm::dot(v, group.u);
-  const float w = glm::dot(v, group.v);
-  for (std::size_t k = 0; k < 8; ++k) place.along_m[k] = u * kBoundCosine[k] + w * kBoundSine[k];
-  return true;
-}
-
 /// Whether a place may lie in the bounds of a chain or group.
 inline bool is_in_bounds(const PlaceInGroup& place, const ConeBounds& bounds) {
   const hn::CappedTag<float, 8> d;

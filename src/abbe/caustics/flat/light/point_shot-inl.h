@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "abbe/math/lanes-inl.h"
 #include "abbe/optics/snell-inl.h"
@@ -52,8 +53,9 @@ struct ShotLanes {
   int i = 0;
 
   template <class D>
-  HWY_INLINE VecOf<D> index_of(D d, std::uint32_t material) const {
-    return hn::LoadU(d, tables.row(tables.materials[material].index, set) + i);
+  HWY_INLINE VecOf<D> index_of(D d, const std::optional<std::uint32_t>& medium) const {
+    if (!medium) return hn::Set(d, 1.0f);
+    return hn::LoadU(d, tables.row(tables.materials[*medium].index, set) + i);
   }
 };
 
@@ -85,12 +87,13 @@ HWY_INLINE void ShootOverChain(D d, const ShotLanes& lanes, VecOf<D> u, VecOf<D>
   shot.is_valid = hn::Gt(length, zero);
   shot.lengths_m[0] = length;
   V solid_angle = zero;
+  V n = lanes.index_of(d, chain.media[0]);
   for (std::size_t k = 0; k < count; ++k) {
     const ChainStep& step = chain.steps[chain.crossings[k]];
     const float side = step.event == ChainEvent::Enter ? -1.0f : 1.0f;
     const V3 ahead = set3(static_cast<double>(side) * face->normal);
-    const V n = lanes.index_of(d, step.material);
-    const V eta_it = step.event == ChainEvent::Enter ? hn::Div(one, n) : n;
+    const V next_n = lanes.index_of(d, chain.media[k + 1]);
+    const V eta_it = hn::Div(n, next_n);
     const V cosine = Dot3(d, ahead, direction);
     if (k == 0) solid_angle = hn::Mul(hn::Abs(cosine), hn::Mul(inverse, inverse));
     const V eta_cosine = hn::Mul(eta_it, cosine);
@@ -108,6 +111,7 @@ HWY_INLINE void ShootOverChain(D d, const ShotLanes& lanes, VecOf<D> u, VecOf<D>
     turn_a = Combine3(d, eta_it, turn_a, hn::Mul(bend, Dot3(d, turn_a, ahead)), ahead);
     turn_b = Combine3(d, eta_it, turn_b, hn::Mul(bend, Dot3(d, turn_b, ahead)), ahead);
     if (k + 1 == count) break;
+    n = next_n;
     face = &chain.faces[chain.crossings[k + 1]];
     const V3 normal = set3(face->normal);
     const V slope = hn::Div(one, Dot3(d, normal, direction));

@@ -4,27 +4,43 @@
 #include <cstdint>
 #include <optional>
 
+#include "abbe/caustics/flat/facet_optics.h"
 #include "abbe/caustics/flat/flat_caustics.h"
+#include "abbe/caustics/flat/search/obstacles.h"
+#include "abbe/caustics/flat/search/regions.h"
 
 namespace abbe {
 
 /// Where chains are searched for, and how.
 struct ChainSearch {
   const FlatBodies& flat;
+  const Regions& regions;
   const TabulatedScene& tables;
   const CausticOptions& options;
+  Obstacles& obstacles;
 
   const FlatBody& body_of(const Facet& facet) const { return flat.bodies[facet.body]; }
-  const SurfaceMaterial& material_of(const FlatBody& body) const {
-    return tables.materials[body.material];
+  FacetMedia media_of(const Facet& facet) const {
+    const SurfaceMaterial* outside = nullptr;
+    if (facet.beyond) outside = &tables.materials[flat.bodies[*facet.beyond].material];
+    return {&tables.materials[body_of(facet).material], outside};
+  }
+
+  /// Whether anything may be in a region that its light shows on.
+  bool lights_places(Region region) const { return !region || flat.bodies[*region].has_inclusions; }
+
+  std::size_t lanes() const { return static_cast<std::size_t>(tables.lanes.lane_count()); }
+  /// Wavelengths of all sets.
+  std::size_t waves() const { return lanes() * static_cast<std::size_t>(tables.lanes.set_count()); }
+  Wave wave(std::size_t number) const {
+    return {static_cast<int>(number / lanes()), static_cast<int>(number % lanes())};
   }
 };
 
 /// What a search for the chains of one light has met.
 struct ChainYield {
   double started = 0.0;  ///< Light that fell on facets; the unit depends on the kind of light.
-  double cut = 0.0;      ///< The part of it that chains below the cutoff would have carried.
-  std::optional<std::uint32_t> too_large;  ///< A body that has more chains than can be kept.
+  double cut = 0.0;      ///< The part of it on paths that are left out.
 };
 
 }  // namespace abbe

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "abbe/caustics/flat/search/beam_cone.h"
-#include "abbe/caustics/flat/search/chain_search.h"
+#include "abbe/caustics/flat/search/paths.h"
 
 namespace abbe {
 
@@ -23,18 +23,11 @@ struct ConeOnPath {
   std::vector<FaceEvent> path;
   std::vector<Vec3d> axes;  ///< Before the first face and behind each, in the world.
   BeamCone cone;            ///< Behind the last face; world coordinates.
-  bool ends_inside = false;
-  double largest = 0.0;  ///< Bound of what it adds to the light of the lamp.
-  double flux_sr = 0.0;  ///< What its middle carries of the cone that the lamp sent.
+  double largest = 0.0;     ///< Bound of what it adds to the light of the lamp.
 };
 
-/// The cones that a lamp's light becomes on flat faces.
-struct ConeSearch {
-  std::vector<ConeOnPath> found;
-  ChainYield yield;
-};
-
-/// Follows all light of a point or spot light that falls on flat faces.
-ConeSearch search_cones(const ChainSearch& search, const Light& light);
+/// Follows all light of a point or spot light over the paths of a tree.
+std::vector<ConeOnPath> search_cones(const ChainSearch& search, const PathTree& tree,
+                                     const Light& light);
 
 }  // namespace abbe

@@ -9,12 +9,11 @@
 namespace abbe {
 namespace {
 
-/// The chains of all lights; incomplete where a body has too many of them.
+/// The chains of all lights.
 struct FoundChains {
   ParallelChains parallel;
   PointChains point;
   double share_cut = 0.0;
-  std::optional<std::uint32_t> too_large;
 };
 
 FoundChains find_chains(const Scene& scene, const ChainSearch& search) {
@@ -28,8 +27,6 @@ FoundChains find_chains(const Scene& scene, const ChainSearch& search) {
     const ChainYield yield = is_parallel(light)
                                  ? add_parallel_chains(search, light, number, found.parallel)
                                  : add_point_chains(search, light, number, found.point);
-    found.too_large = yield.too_large;
-    if (found.too_large) return found;
     // Lux on square metres and candela in steradians are both lumens.
     started += yield.started * light.intensity;
     cut += yield.cut * light.intensity;
@@ -70,12 +67,9 @@ FlatCaustics find_flat_caustics(const Scene& scene, const TabulatedScene& tables
   result.surface_is_exact.assign(scene.instances.size(), 0);
   if (!options.exact || scene.lights.empty()) return result;
   result.flat = find_flat_bodies(scene, notes);
-  FoundChains found = find_chains(scene, {result.flat, tables, options});
-  while (found.too_large) {
-    result.flat = without_body(std::move(result.flat), *found.too_large,
-                               "it has too many chains of facets to count them out", notes);
-    found = find_chains(scene, {result.flat, tables, options});
-  }
+  const Regions regions(result.flat);
+  Obstacles obstacles(scene, result.flat);
+  FoundChains found = find_chains(scene, {result.flat, regions, tables, options, obstacles});
   const FlatBodies& flat = result.flat;
   result.report = {.bodies = flat.bodies.size(),
                    .facets = flat.facets.size(),
@@ -83,9 +77,12 @@ FlatCaustics find_flat_caustics(const Scene& scene, const TabulatedScene& tables
                    .share_cut = found.share_cut,
                    .fallbacks = flat.fallbacks};
   if (flat.bodies.empty()) return result;
+  std::size_t crossings = 0;
   for (const FlatBody& body : flat.bodies) {
-    if (!body.is_mirror) result.surface_is_exact[body.instance] = 1;
+    if (!body.is_mirror) crossings += body.is_convex ? 2 : body.facet_count;
+    if (!body.is_mirror && body.facet_count > 0) result.surface_is_exact[body.instance] = 1;
   }
+  result.exceeds_chains = crossings > kMaxRefractions;
   result.parallel = std::move(found.parallel);
   result.point = std::move(found.point);
   std::stable_sort(
@@ -96,6 +93,20 @@ FlatCaustics find_flat_caustics(const Scene& scene, const TabulatedScene& tables
     result.point.set_count = static_cast<std::size_t>(tables.lanes.set_count());
     result.point.index_ranges = index_ranges(tables);
   }
+  Box3f bounds;
+  for (const Instance& instance : scene.instances) bounds.extend(bounds_of(scene, instance));
+  const std::vector<ParallelChain>& parallel = result.parallel.chains;
+  result.near_parallel = ChainIndex(bounds, static_cast<std::uint32_t>(parallel.size()),
+                                    [&](std::uint32_t i, const Vec3f& center, float radius_m) {
+                                      return may_light(parallel[i], center, radius_m);
+                                    });
+  const std::vector<PointChainGroup>& groups = result.point.groups;
+  result.near_point = ChainIndex(bounds, static_cast<std::uint32_t>(groups.size()),
+                                 [&](std::uint32_t i, const Vec3f& center, float radius_m) {
+                                   PlaceInGroup place;
+                                   return may_light(groups[i], center, radius_m, place) &&
+                                          may_be_in_bounds(place, groups[i].bounds);
+                                 });
   result.of_lights = by_light(result.parallel, result.point, scene.lights.size());
   return result;
 }

@@ -7,8 +7,7 @@
 
 namespace abbe {
 
-/// Adds the chains of a directional light, the one of that number. Incomplete where the result
-/// names a body.
+/// Adds the chains of a directional light, the one of that number.
 /// Units:  the result is in square metres of beam.
 ChainYield add_parallel_chains(const ChainSearch& search, const Light& light, std::uint32_t number,
                                ParallelChains& chains);

@@ -91,38 +91,34 @@ ConeBounds rounded(const Bounds& bounds) {
 
 /// What is known of a chain from the cones that took it.
 struct Gathered {
-  bool ends_inside = false;
   std::vector<Bounds> cones;
-  double largest = 0.0, flux_sr = 0.0;
+  double largest = 0.0;
   std::vector<Vec3d> axes;
 };
 
 /// Makes chains of one light from what was gathered.
 class Maker {
  public:
-  Maker(const FlatBodies& flat, const Light& light, std::uint32_t number, PointChains& chains)
-      : flat_(flat), chains_(chains), light_(number), lamp_(light.to_world[3]) {}
+  Maker(const ChainSearch& search, const Light& light, std::uint32_t number, PointChains& chains)
+      : flat_(search.flat),
+        obstacles_(search.obstacles),
+        chains_(chains),
+        light_(number),
+        lamp_(light.to_world[3]) {}
 
   // The normal of the last face, to the side that is lit.
   Vec3d lit_normal(const std::vector<FaceEvent>& path) const {
-    const FaceFrame& frame = chains_.frames[path.back().face];
-    switch (path.back().event) {
-      case ChainEvent::Leave:
-        return frame.normal;
-      case ChainEvent::ReflectOutside:
-        return glm::dot(frame.normal, lamp_ - frame.origin) > 0.0 ? frame.normal : -frame.normal;
-      default:
-        return -frame.normal;
-    }
+    const Vec3d& normal = chains_.frames[path.back().face].normal;
+    const ChainEvent event = path.back().event;
+    const bool is_outside = event == ChainEvent::Leave || event == ChainEvent::ReflectOutside;
+    return is_outside ? normal : -normal;
   }
 
   void gather(const ConeOnPath& found, Gathered& into) const {
     const FaceFrame& frame = chains_.frames[found.path.back().face];
     const Vec3d normal = lit_normal(found.path);
     const Vec3d from_origin = found.cone.center - frame.origin;
-    into.ends_inside = found.ends_inside;
     into.largest = std::max(into.largest, found.largest);
-    into.flux_sr += found.flux_sr;
     if (into.axes.empty()) into.axes.resize(found.axes.size(), Vec3d(0.0));
     for (std::size_t i = 0; i < found.axes.size(); ++i) into.axes[i] += found.axes[i];
     Bounds& bounds = into.cones.emplace_back();
@@ -137,35 +133,25 @@ class Maker {
   PointChain make(const std::vector<FaceEvent>& path, const Gathered& gathered) const {
     PointChain chain;
     chain.light = light_;
-    chain.ends_inside = gathered.ends_inside;
     chain.largest = static_cast<float>(gathered.largest);
     const Vec3d origin = rounded_to_single(chains_.frames[path.front().face].origin);
     chain.origin = Vec3f(origin);
     chain.lamp = lamp_ - origin;
-    const bool starts_inside =
-        path.front().event == ChainEvent::Leave || path.front().event == ChainEvent::ReflectInside;
-    std::optional<std::uint32_t> medium;
-    if (starts_inside) medium = material_of(path.front().face);
-    chain.media.push_back(medium);
     chain.directions.push_back(gathered.axes.front());
     for (std::size_t s = 0; s < path.size(); ++s) {
       add_step(path[s], origin, chain);
-      switch (path[s].event) {
-        case ChainEvent::Enter:
-          medium = material_of(path[s].face);
-          break;
-        case ChainEvent::Leave:
-          medium.reset();
-          break;
-        default:
-          mirror(chain);
-          continue;
+      const ChainStep& step = chain.steps.back();
+      if (s == 0) chain.media.push_back(step.comes_from());
+      if (!step.refracts()) {
+        mirror(chain);
+        continue;
       }
       chain.crossings.push_back(static_cast<std::uint32_t>(s));
-      chain.media.push_back(medium);
+      chain.media.push_back(step.goes_on_in());
       chain.directions.push_back(chain.fold * gathered.axes[s + 1]);
     }
     for (Vec3d& direction : chain.directions) direction = glm::normalize(direction);
+    obstacles_.mark(chain.steps);
     bound(gathered.cones, chain);
     return chain;
   }
@@ -193,10 +179,6 @@ class Maker {
     }
     chain.last_bunch = static_cast<std::uint32_t>(bunches.size());
     chain.bounds = rounded(all);
-  }
-
-  std::uint32_t material_of(std::uint32_t face) const {
-    return flat_.bodies[flat_.faces[face].body].material;
   }
 
   void add_step(const FaceEvent& at, const Vec3d& origin, PointChain& chain) const {
@@ -231,6 +213,7 @@ class Maker {
   }
 
   const FlatBodies& flat_;
+  Obstacles& obstacles_;
   PointChains& chains_;
   std::uint32_t light_;
   Vec3d lamp_;
@@ -239,8 +222,7 @@ class Maker {
 PointChainGroup group_of(const PointChain& chain, const FaceFrame& frame, const Vec3d& normal) {
   PointChainGroup group;
   group.light = chain.light;
-  group.ends_inside = chain.ends_inside;
-  group.material = chain.steps.back().material;
+  group.ends_in = chain.ends_in();
   group.origin = Vec3f(frame.origin);
   group.normal = Vec3f(normal);
   group.u = Vec3f(frame.u);
@@ -253,10 +235,9 @@ PointChainGroup group_of(const PointChain& chain, const FaceFrame& frame, const 
 ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::uint32_t number,
                             PointChains& chains) {
   if (search.flat.faces.empty()) return {};
-  ConeSearch cones = search_cones(search, light);
-  if (cones.yield.too_large) return cones.yield;
+  const PathTree tree = find_paths(search, light);
   if (chains.frames.empty()) chains.frames = frames_of(search.flat);
-  const Maker maker(search.flat, light, number, chains);
+  const Maker maker(search, light, number, chains);
   // Paths that end at one face and side follow each other.
   const auto end_of = [](const std::vector<FaceEvent>& path) {
     return std::tuple(path.back().face, path.back().event);
@@ -266,13 +247,12 @@ ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::
     return a < b;
   };
   std::map<std::vector<FaceEvent>, Gathered, decltype(before)> gathered(before);
-  for (const ConeOnPath& found : cones.found) maker.gather(found, gathered[found.path]);
+  for (const ConeOnPath& found : search_cones(search, tree, light)) {
+    maker.gather(found, gathered[found.path]);
+  }
   std::optional<std::tuple<std::uint32_t, ChainEvent>> open;
   for (const auto& [path, what] : gathered) {
-    if (!(what.largest >= search.options.cutoff)) {
-      cones.yield.cut += what.flux_sr;
-      continue;
-    }
+    if (!(what.largest >= search.options.cutoff)) continue;
     PointChain chain = maker.make(path, what);
     if (!open || *open != end_of(path)) {
       open = end_of(path);
@@ -286,7 +266,7 @@ ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::
     ++group.chain_count;
     chains.chains.push_back(std::move(chain));
   }
-  return cones.yield;
+  return {tree.started, tree.cut};
 }
 
 void sort_point_chains(PointChains& all) {

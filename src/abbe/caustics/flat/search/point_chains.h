@@ -7,8 +7,7 @@
 
 namespace abbe {
 
-/// Adds the chains of a point or spot light, the one of that number, with their groups. Incomplete
-/// where the result names a body.
+/// Adds the chains of a point or spot light, the one of that number, with their groups.
 /// Units:  the result is in steradians.
 ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::uint32_t number,
                             PointChains& chains);

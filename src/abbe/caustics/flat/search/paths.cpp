@@ -1,0 +1,297 @@
+#include "abbe/caustics/flat/search/paths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "abbe/math/polygon.h"
+#include "abbe/world/lights.h"
+
+namespace abbe {
+namespace {
+
+constexpr std::uint32_t kNoFacet = std::numeric_limits<std::uint32_t>::max();
+
+// Rays of a lamp: at first, and steps of all of them at most, about a second.
+constexpr double kFirstRays = 8192.0;
+// For each polygon at least so many, but where there are too many of them.
+constexpr std::size_t kFewestRays = 64;
+constexpr std::size_t kFewestRaysInAll = 16384;
+constexpr std::size_t kMostSteps = 3000000;
+// More are sent while paths that only one of them took carry more of the light than this: what no
+// ray has found is about as much. Source: Good, The population frequencies of species and the
+// estimation of population parameters, Biometrika 40, 1953.
+constexpr double kUnknownShare = 0.002;
+// Paths that carry less of the light that falls on their first body are left out; of those that go
+// on without losing any to reflection at glass, all that matter at all.
+constexpr double kLeastShare = 2e-4;
+constexpr double kLeastMainShare = 1e-7;
+
+/// A polygon that a lamp shines on.
+struct LitPolygon {
+  FacetSide side;
+  std::vector<Vec3d> corners;
+  double flux = 0.0;     ///< About what falls on it.
+  std::size_t rays = 0;  ///< In the first round.
+};
+
+class PathFinder {
+ public:
+  PathFinder(const ChainSearch& search, const Light& light)
+      : search_(search),
+        regions_(search.regions),
+        light_(light),
+        is_parallel_(is_parallel(light)),
+        direction_(direction_of(light)),
+        lamp_(light.to_world[3]),
+        started_(search.flat.bodies.size(), 0.0) {
+    const FlatBodies& flat = search.flat;
+    face_of_.resize(flat.facets.size());
+    for (std::uint32_t face = 0; face < flat.faces.size(); ++face) {
+      for (std::uint32_t i = 0; i < flat.faces[face].facet_count; ++i) {
+        face_of_[flat.faces[face].first_facet + i] = face;
+      }
+    }
+  }
+
+  PathTree run() {
+    tree_.nodes.resize(1);
+    if (!is_parallel_) tree_.nodes[0].region = regions_.at(lamp_);
+    find_lit_polygons();
+    double flux = 0.0;
+    for (const LitPolygon& polygon : lit_) flux += polygon.flux;
+    if (!(flux > 0.0)) return std::move(tree_);
+    const std::size_t fewest = std::min(kFewestRays, kFewestRaysInAll / lit_.size());
+    for (LitPolygon& polygon : lit_) {
+      const auto share = static_cast<std::size_t>(kFirstRays * polygon.flux / flux);
+      polygon.rays = std::max({share, fewest, std::size_t{1}});
+    }
+    double rounds = 1.0;
+    for (std::size_t first = 0, last = 1;; first = last, last *= 2, rounds *= 2.0) {
+      for (const LitPolygon& polygon : lit_) send(polygon, first, last);
+      if (steps_ > kMostSteps || unknown_share() < kUnknownShare) break;
+    }
+    for (PathNode& node : tree_.nodes) node.flux /= rounds;
+    for (double& started : started_) started /= rounds;
+    return kept();
+  }
+
+ private:
+  /// Light behind a facet.
+  struct RayState {
+    Vec3d place{0.0}, direction{0.0};
+    double power = 0.0;  ///< Share of what the ray started with.
+    std::uint32_t node = 0;
+    std::uint32_t facet = 0;
+    int steps = 0, refractions = 0, inner_reflections = 0;
+  };
+
+  void find_lit_polygons() {
+    std::vector<HalfSpace> beam;
+    if (is_parallel_) beam = beam_bounds(light_);
+    for (const Regions::Group& group : regions_.border(tree_.nodes[0].region)) {
+      for (const FacetSide& side : group.sides) {
+        const Facet& facet = search_.flat.facets[side.facet];
+        const Vec3d to_facet = is_parallel_ ? direction_ : facet.center - lamp_;
+        const double height = is_parallel_ ? glm::dot(facet.normal, direction_)
+                                           : facet.distance - glm::dot(facet.normal, lamp_);
+        if (side.from_inside ? height <= 0.0 : height >= 0.0) continue;
+        LitPolygon polygon{side, facet.corners};
+        for (const HalfSpace& bound : beam) {
+          polygon.corners = clipped(polygon.corners, bound.normal, bound.distance);
+        }
+        if (polygon.corners.size() < 3) continue;
+        const double area = area_of(polygon.corners);
+        const double distance = glm::length(to_facet);
+        polygon.flux = area * std::abs(glm::dot(facet.normal, to_facet)) / distance;
+        if (!is_parallel_) {
+          const double near = std::max(distance, 0.5 * facet.radius_m);
+          polygon.flux = area / (near * near);
+        }
+        lit_.push_back(std::move(polygon));
+      }
+    }
+  }
+
+  // A place of a polygon, evenly spread. Source: Roberts, The unreasonable effectiveness of
+  // quasirandom sequences, 2018.
+  static Vec3d place_of(const std::vector<Vec3d>& corners, std::size_t number) {
+    const auto at = static_cast<double>(number);
+    double u = std::fmod(0.5 + at * 0.7548776662466927, 1.0);
+    const double v = std::fmod(0.5 + at * 0.5698402909980532, 1.0);
+    const double area = area_of(corners);
+    double before = 0.0;
+    for (std::size_t i = 2; i < corners.size(); ++i) {
+      const double share = area_of({corners[0], corners[i - 1], corners[i]}) / area;
+      if (u >= before + share && i + 1 < corners.size()) {
+        before += share;
+        continue;
+      }
+      const double root = std::sqrt(std::clamp((u - before) / share, 0.0, 1.0));
+      return (1.0 - root) * corners[0] + root * (1.0 - v) * corners[i - 1] + root * v * corners[i];
+    }
+    return corners[0];
+  }
+
+  // Rays of a polygon, rounds [first, last) of them.
+  void send(const LitPolygon& polygon, std::size_t first, std::size_t last) {
+    const Facet& facet = search_.flat.facets[polygon.side.facet];
+    const double area = area_of(polygon.corners);
+    for (std::size_t i = first * polygon.rays; i < last * polygon.rays; ++i) {
+      const Vec3d place = place_of(polygon.corners, i);
+      const Vec3d offset = place - lamp_;
+      const double length = glm::length(offset);
+      const Vec3d direction = is_parallel_ ? direction_ : offset / length;
+      if (is_shaded(polygon.side.facet, place, direction, length)) continue;
+      double flux = area * std::abs(glm::dot(direction, facet.normal));
+      if (!is_parallel_) flux /= length * length;
+      ray_flux_ = flux / static_cast<double>(polygon.rays);
+      wave_ = search_.wave((i * 7919) % search_.waves());
+      started_[facet.body] += ray_flux_;
+      arrive({place, direction, 1.0}, polygon.side);
+      while (!pending_.empty()) {
+        const RayState ray = pending_.back();
+        pending_.pop_back();
+        const Region region = tree_.nodes[ray.node].region;
+        ++steps_;
+        const auto hit = regions_.first_hit(region, ray.place, ray.direction, ray.facet);
+        if (!hit) continue;
+        RayState there = ray;
+        there.place += hit->distance_m * ray.direction;
+        arrive(there, hit->side);
+      }
+    }
+  }
+
+  // Whether light comes to a place only over other facets, or not at all.
+  bool is_shaded(std::uint32_t facet, const Vec3d& place, const Vec3d& direction,
+                 double length) const {
+    if (is_parallel_) return regions_.first_hit({}, place, -direction, facet).has_value();
+    if (!may_shine_on(light_, place, 0.0, direction, 0.0)) return true;
+    const auto hit = regions_.first_hit(tree_.nodes[0].region, lamp_, direction, kNoFacet);
+    return hit && hit->side.facet != facet && hit->distance_m < length * (1.0 - 1e-9);
+  }
+
+  void arrive(const RayState& ray, const FacetSide& side) {
+    const Facet& facet = search_.flat.facets[side.facet];
+    if (ray.steps == static_cast<int>(kMaxChainSteps)) return;
+    const FacetAnswer answer =
+        answer_of(search_.tables, search_.media_of(facet), wave_, facet.normal, ray.direction);
+    RayState next = ray;
+    next.facet = side.facet;
+    ++next.steps;
+    const auto go_on = [&](ChainEvent event, double share, const Vec3d& direction) {
+      RayState there = next;
+      there.power *= share;
+      if (there.power < search_.options.cutoff) return;
+      there.direction = direction;
+      there.node = step(ray.node, side, event);
+      PathNode& node = tree_.nodes[there.node];
+      node.flux += ray_flux_ * there.power;
+      ++node.rays;
+      pending_.push_back(there);
+    };
+    if (ray.inner_reflections < search_.options.inner_reflections || !side.from_inside) {
+      if (side.from_inside) ++next.inner_reflections;
+      go_on(side.from_inside ? ChainEvent::ReflectInside : ChainEvent::ReflectOutside,
+            answer.reflected, answer.reflected_direction);
+      next.inner_reflections = ray.inner_reflections;
+    }
+    if (ray.refractions == static_cast<int>(kMaxRefractions)) return;
+    ++next.refractions;
+    go_on(side.from_inside ? ChainEvent::Leave : ChainEvent::Enter, answer.transmitted,
+          answer.refracted_direction);
+  }
+
+  // The child of a node, made where it is not there.
+  std::uint32_t step(std::uint32_t node, const FacetSide& side, ChainEvent event) {
+    const std::uint32_t place = is_parallel_ ? side.facet : face_of_[side.facet];
+    const std::uint32_t known = tree_.child(node, place, event);
+    if (known != 0) return known;
+    const auto number = static_cast<std::uint32_t>(tree_.nodes.size());
+    const bool refracts = event == ChainEvent::Enter || event == ChainEvent::Leave;
+    const Region region = refracts ? regions_.behind(side) : tree_.nodes[node].region;
+    tree_.nodes[node].children.push_back(number);
+    tree_.nodes.push_back({place, event, region});
+    return number;
+  }
+
+  // Light that ends on paths which only one ray has taken, of all.
+  double unknown_share() const {
+    double all = 0.0;
+    double single = 0.0;
+    for (std::size_t i = 1; i < tree_.nodes.size(); ++i) {
+      const PathNode& node = tree_.nodes[i];
+      double ends = node.flux;
+      for (const std::uint32_t child : node.children) ends -= tree_.nodes[child].flux;
+      ends = std::max(ends, 0.0);
+      all += ends;
+      if (node.rays == 1) single += ends;
+    }
+    return all > 0.0 ? single / all : 0.0;
+  }
+
+  std::uint32_t body_of(const PathNode& node) const {
+    const FlatBodies& flat = search_.flat;
+    return is_parallel_ ? flat.facets[node.place].body : flat.faces[node.place].body;
+  }
+
+  PathTree kept() const {
+    PathTree kept;
+    kept.nodes.resize(1);
+    kept.nodes[0].region = tree_.nodes[0].region;
+    for (const double started : started_) kept.started += started;
+    for (const std::uint32_t child : tree_.nodes[0].children) {
+      keep(child, 0, true, started_[body_of(tree_.nodes[child])], kept);
+    }
+    return kept;
+  }
+
+  // Adds a node and what follows of it, on a path of a body on which that light falls.
+  void keep(std::uint32_t from, std::uint32_t parent, bool is_main, double started,
+            PathTree& kept) const {
+    const PathNode& node = tree_.nodes[from];
+    const bool refracts = node.event == ChainEvent::Enter || node.event == ChainEvent::Leave;
+    is_main &= refracts || search_.flat.bodies[body_of(node)].is_mirror;
+    if (node.flux < (is_main ? kLeastMainShare : kLeastShare) * started) {
+      kept.cut += node.flux;
+      return;
+    }
+    const auto number = static_cast<std::uint32_t>(kept.nodes.size());
+    kept.nodes[parent].children.push_back(number);
+    kept.nodes.push_back({node.place, node.event, node.region, node.flux, node.rays});
+    for (const std::uint32_t child : node.children) keep(child, number, is_main, started, kept);
+  }
+
+  const ChainSearch& search_;
+  const Regions& regions_;
+  const Light& light_;
+  const bool is_parallel_;
+  const Vec3d direction_, lamp_;
+  std::vector<std::uint32_t> face_of_;
+  std::vector<LitPolygon> lit_;
+  PathTree tree_;
+  std::vector<double> started_;  ///< Per body, light that fell on it first.
+  std::size_t steps_ = 0;
+
+  // Of the ray at hand.
+  double ray_flux_ = 0.0;
+  Wave wave_;
+  std::vector<RayState> pending_;
+};
+
+}  // namespace
+
+std::uint32_t PathTree::child(std::uint32_t node, std::uint32_t place, ChainEvent event) const {
+  for (const std::uint32_t child : nodes[node].children) {
+    if (nodes[child].place == place && nodes[child].event == event) return child;
+  }
+  return 0;
+}
+
+PathTree find_paths(const ChainSearch& search, const Light& light) {
+  return PathFinder(search, light).run();
+}
+
+}  // namespace abbe

@@ -1,0 +1,38 @@
+/// Which paths light takes over flat facets, and how much of it: rays of a lamp, followed one by
+/// one, find those that matter.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "abbe/caustics/flat/search/chain_search.h"
+#include "abbe/caustics/flat/search/regions.h"
+
+namespace abbe {
+
+/// The last step of a path; those before it are its ancestors.
+struct PathNode {
+  std::uint32_t place = 0;  ///< A facet or, of lamps, a face.
+  ChainEvent event = ChainEvent::Enter;
+  Region region;      ///< In which light goes on.
+  double flux = 0.0;  ///< Light that took it: lumens over the intensity of the lamp.
+  std::uint32_t rays = 0;
+  std::vector<std::uint32_t> children = {};
+};
+
+/// The paths of one light. Node 0 is the lamp.
+struct PathTree {
+  std::vector<PathNode> nodes;
+  double started = 0.0;  ///< Light that fell on facets.
+  double cut = 0.0;      ///< Of it, what took paths that are left out.
+
+  /// The child of a node by what happens where; none: 0.
+  std::uint32_t child(std::uint32_t node, std::uint32_t place, ChainEvent event) const;
+};
+
+/// Follows rays of a lamp over the facets, their light split at each; more of them until what lies
+/// on paths that none has taken is little. Keeps the paths that carry most light.
+/// Shape:  places are facets of parallel light, faces otherwise.
+PathTree find_paths(const ChainSearch& search, const Light& light);
+
+}  // namespace abbe

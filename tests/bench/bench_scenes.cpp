@@ -102,8 +102,9 @@ BenchScene load_scene(const std::filesystem::path& file) {
   if (const auto* lens = std::get_if<PerspectiveCamera>(&camera.projection)) {
     out.half_angle_tangent = static_cast<float>(std::tan(0.5 * lens->yfov_rad));
   }
-  const Box3f bounds = bounds_of(scene);
-  out.light = out.eye + Vec3f(0.0f, 0.5f * glm::length(bounds.high - bounds.low), 0.0f);
+  const Box3d bounds = bounds_of(scene);
+  out.light =
+      out.eye + Vec3f(0.0f, static_cast<float>(0.5 * glm::distance(bounds.low, bounds.high)), 0.0f);
   for (const Light& light : scene.lights) {
     if (light.type == LightType::Directional) continue;
     out.light = Vec3f(Vec3d(light.to_world[3]));

@@ -196,7 +196,7 @@ TEST_F(GltfAbbe, convex_body_keeps_its_planes) {
   const auto& body = std::get<ConvexShape>(std::get<Shape>(scene.instances.at(0).what).geometry);
   EXPECT_EQ(body.planes.size(), 6u);
   EXPECT_EQ(body.planes[2], Vec4d(0, 2, 0, 2));
-  EXPECT_EQ(bounds_of(scene).high, Vec3f(1, 1, 1));
+  EXPECT_EQ(bounds_of(scene).high, Vec3d(1, 1, 1));
 }
 
 TEST_F(GltfAbbe, shapes_that_enclose_nothing_are_errors) {

@@ -60,9 +60,9 @@ TEST_P(HostileFile, load_meets_the_manifest) {
     add_default_camera(scene);
     add_default_lights(scene);
     EXPECT_NO_THROW(validate(scene, input.name));
-    const Box3f box = bounds_of(scene);
+    const Box3d box = bounds_of(scene);
     if (!box.is_empty()) {
-      EXPECT_TRUE(std::isfinite(glm::length(box.size())));
+      EXPECT_TRUE(std::isfinite(glm::distance(box.low, box.high)));
     }
   }
 }

@@ -35,11 +35,11 @@ Scene shape_scene(const std::variant<SphereShape, ConvexShape>& geometry, const 
   return scene;
 }
 
-void expect_box(const Box3f& box, const Vec3f& low, const Vec3f& high) {
+void expect_box(const Box3d& box, const Vec3d& low, const Vec3d& high) {
   for (int c = 0; c < 3; ++c) {
-    // Two roundings of single precision around values of about 10.
-    EXPECT_NEAR(box.low[c], low[c], 2e-6);
-    EXPECT_NEAR(box.high[c], high[c], 2e-6);
+    // Of a mesh exact in single precision, through a few roundings of double around 10.
+    EXPECT_NEAR(box.low[c], low[c], 1e-14);
+    EXPECT_NEAR(box.high[c], high[c], 1e-14);
   }
 }
 
@@ -65,7 +65,7 @@ TEST(bounds_of, sheared_sphere_has_the_box_of_the_ellipsoid) {
   Mat4d shear(1.0);
   shear[1] = Vec4d(1, 1, 0, 0);
   // x + y over the unit sphere reaches √2.
-  const auto reach = static_cast<float>(std::sqrt(2.0));
+  const double reach = std::sqrt(2.0);
   expect_box(bounds_of(shape_scene(SphereShape{1.0}, shear)), {-reach, -1, -1}, {reach, 1, 1});
 }
 
@@ -74,7 +74,7 @@ TEST(bounds_of, convex_prism_is_bounded_by_its_corners) {
   const double r3 = std::sqrt(3.0);
   ConvexShape prism{{{0, -2, 0, 0}, {r3, 1, 0, r3}, {-r3, 1, 0, r3}, {0, 0, 1, 3}, {0, 0, -1, 3}}};
   expect_box(bounds_of(shape_scene(prism, Mat4d(1.0))), {-1, 0, -3},
-             {1, static_cast<float>(r3), 3});
+             {1, r3, 3});
 }
 
 TEST(add_default_lights, scene_without_light_gets_two) {

@@ -100,13 +100,13 @@ std::vector<std::string> aov_channel_names(const std::string& group,
   return {group};
 }
 
-void append_aov(const std::string& group, const FirstHit& hit, const Vec3f& eye,
-                const Vec3f& forward, std::vector<float>& out) {
+void append_aov(const std::string& group, const FirstHit& hit, const Vec3d& origin_m,
+                const Vec3f& eye, const Vec3f& forward, std::vector<float>& out) {
   const auto append3 = [&](const Vec3f& v) { out.insert(out.end(), {v.x, v.y, v.z}); };
   if (group == "Z") {
     out.push_back(hit.is_hit ? glm::dot(hit.position - eye, forward) : kNoDepth);
   } else if (group == "P") {
-    append3(hit.position);
+    append3(hit.is_hit ? Vec3f(origin_m + Vec3d(hit.position)) : hit.position);
   } else if (group == "N") {
     append3(hit.normal);
   } else if (group == "albedo") {
@@ -261,7 +261,8 @@ class Renderer {
         worker.aovs.insert(worker.aovs.end(), worker.reflectances.begin(),
                            worker.reflectances.end());
       } else {
-        append_aov(group, worker.first_hits[i], eye_, forward_, worker.aovs);
+        append_aov(group, worker.first_hits[i], world_.geometry.origin_m, eye_, forward_,
+                   worker.aovs);
       }
     }
     film_.add(worker.pixels[i], worker.weights[i], Vec3f(xyz), worker.bands, worker.aovs);

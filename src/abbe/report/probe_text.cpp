@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "abbe/base/constants.h"
@@ -38,8 +39,12 @@ std::string direction_text(const Vec3d& direction) {
   return fmt::format("{:.6f} {:.6f} {:.6f}", d.x, d.y, d.z);
 }
 
-std::string position_text(const Vec3d& p) {
-  return fmt::format("{:.5g} {:.5g} {:.5g}", p.x, p.y, p.z);
+// Far from the origin, too, digits are for what is small.
+std::string position_text(const Vec3d& p, int digits) {
+  const auto number = [&](double x) {
+    return std::abs(x) < 1e4 ? fmt::format("{:.{}g}", x, digits) : fmt::format("{:.4f}", x);
+  };
+  return number(p.x) + " " + number(p.y) + " " + number(p.z);
 }
 
 std::string index_text(const ProbeLane& lane) {
@@ -74,7 +79,7 @@ void append_lanes(const ProbeNode& node, const ProbeView& view, const std::strin
         "{}{:>9} {:>9.4f} {:>10} {:>8.5f} {:>12} {:>8.6f} {:>8.6f} {:>9.4f} {:>10.4g}  {}\n",
         margin, lane->name, lane->incidence_deg, refraction_text(*lane), lane->n1,
         index_text(*lane), lane->k_r, lane->k_t, lane->deviation_deg, lane->throughput,
-        position_text(lane->position));
+        position_text(lane->position, 5));
   }
 }
 
@@ -262,12 +267,11 @@ std::string tree_text(std::span<const ProbeNode> nodes, const ProbeView& view) {
 std::string probe_text(const PixelProbe& probe, const ProbeView& view) {
   const std::string place =
       probe.sample ? fmt::format("sample {}", *probe.sample) : std::string("its centre");
-  const Vec3f& from = probe.origin;
   return fmt::format(
              "pixel {},{} of {}x{}, {}, camera {}, {}\n"
-             "from {:.6g} {:.6g} {:.6g} along {}; angles in degrees, positions in m\n\n",
+             "from {} along {}; angles in degrees, positions in m\n\n",
              probe.pixel.x, probe.pixel.y, probe.size.x, probe.size.y, place, probe.camera,
-             probe.mode, from.x, from.y, from.z, direction_text(Vec3d(probe.direction))) +
+             probe.mode, position_text(probe.origin, 6), direction_text(Vec3d(probe.direction))) +
          tree_text(probe.nodes, view) + (probe.lit ? light_text(*probe.lit) : std::string());
 }
 
@@ -279,7 +283,7 @@ std::string probe_json(const PixelProbe& probe) {
   json["mode"] = probe.mode;
   json["camera"] = {{"name", probe.camera},
                     {"origin_m", vector_json(probe.origin)},
-                    {"direction", vector_json(probe.direction)}};
+                    {"direction", {probe.direction.x, probe.direction.y, probe.direction.z}}};
   json["rays"] = nodes_json(probe.nodes);
   if (probe.lit) json["light"] = light_json(*probe.lit);
   return document_text(json);

@@ -23,7 +23,8 @@ struct PixelProbe {
   Vec2i pixel{0}, size{0};
   std::optional<std::uint32_t> sample;  ///< Of the pixel; none: its centre.
   std::string mode, camera;             ///< Names.
-  Vec3f origin{0.0f}, direction{0.0f};  ///< Of the camera ray.
+  Vec3d origin{0.0};                    ///< Of the camera ray.
+  Vec3f direction{0.0f};
   std::span<const ProbeNode> nodes;
   std::optional<LitPlace> lit;
 };

@@ -8,12 +8,12 @@
 namespace abbe {
 namespace {
 
-void extend_by_transformed(Box3f& box, const Vec3d& point, const Mat4d& to_world) {
+void extend_by_transformed(Box3d& box, const Vec3d& point, const Mat4d& to_world) {
   const Vec3d p(to_world * Vec4d(point, 1.0));
-  box.extend(Vec3f(p));
+  box.extend({p, p});
 }
 
-void extend_by_sphere(Box3f& box, const SphereShape& sphere, const Mat4d& to_world) {
+void extend_by_sphere(Box3d& box, const SphereShape& sphere, const Mat4d& to_world) {
   // The image of a ball is an ellipsoid; its half extent along an axis is the length of that row.
   const Vec3d center(to_world[3]);
   Vec3d half;
@@ -21,8 +21,7 @@ void extend_by_sphere(Box3f& box, const SphereShape& sphere, const Mat4d& to_wor
     half[row] =
         sphere.radius_m * glm::length(Vec3d(to_world[0][row], to_world[1][row], to_world[2][row]));
   }
-  box.extend(Vec3f(center - half));
-  box.extend(Vec3f(center + half));
+  box.extend({center - half, center + half});
 }
 
 bool emits(const Material& material) {
@@ -46,13 +45,11 @@ struct Extent {
 };
 
 Extent extent_of(const Scene& scene) {
-  const Box3f box = bounds_of(scene);
+  const Box3d box = bounds_of(scene);
   if (box.is_empty()) return {};
-  const Vec3d low(box.low);
-  const Vec3d high(box.high);
-  const double radius_m = 0.5 * glm::length(high - low);
+  const double radius_m = 0.5 * glm::length(box.high - box.low);
   if (!std::isfinite(radius_m)) return {};
-  return {0.5 * (low + high), radius_m > 0.0 ? radius_m : 1.0};
+  return {box.center(), radius_m > 0.0 ? radius_m : 1.0};
 }
 
 // Rigid placement whose −Z axis looks along `direction`, +Y as near to up as can be.
@@ -89,8 +86,8 @@ void add_default_surround(Scene& scene, const Extent& extent, double least_radiu
 
 }  // namespace
 
-Box3f bounds_of(const Scene& scene, const Instance& instance) {
-  Box3f box;
+Box3d bounds_of(const Scene& scene, const Instance& instance) {
+  Box3d box;
   if (const auto* mesh = std::get_if<std::uint32_t>(&instance.what)) {
     for (const Vec3f& position : scene.meshes[*mesh].positions) {
       extend_by_transformed(box, Vec3d(position), instance.to_world);
@@ -108,13 +105,9 @@ Box3f bounds_of(const Scene& scene, const Instance& instance) {
   return box;
 }
 
-Box3f bounds_of(const Scene& scene) {
-  Box3f box;
-  for (const Instance& instance : scene.instances) {
-    const Box3f own = bounds_of(scene, instance);
-    box.low = glm::min(box.low, own.low);
-    box.high = glm::max(box.high, own.high);
-  }
+Box3d bounds_of(const Scene& scene) {
+  Box3d box;
+  for (const Instance& instance : scene.instances) box.extend(bounds_of(scene, instance));
   return box;
 }
 

@@ -262,13 +262,28 @@ struct Scene {
   std::vector<Camera> cameras;
   std::optional<Ambient> ambient;
   std::optional<Fog> fog;
+  /// A place p of the scene as it was described is p − origin_m here (local_origin.h).
+  Vec3d origin_m{0.0};
   std::string content_hash;  ///< Hash of the files the scene was made of, 16 hex digits.
+};
+
+/// An axis-aligned box; empty when any low exceeds its high.
+struct Box3d {
+  Vec3d low{std::numeric_limits<double>::infinity()};
+  Vec3d high{-std::numeric_limits<double>::infinity()};
+
+  void extend(const Box3d& other) {
+    low = glm::min(low, other.low);
+    high = glm::max(high, other.high);
+  }
+  bool is_empty() const { return glm::any(glm::greaterThan(low, high)); }
+  Vec3d center() const { return 0.5 * low + 0.5 * high; }
 };
 
 /// World bounds of all instances, or of one; exact for meshes, conservative for shapes.
 /// Units:  metres. Empty without instances.
-Box3f bounds_of(const Scene& scene);
-Box3f bounds_of(const Scene& scene, const Instance& instance);
+Box3d bounds_of(const Scene& scene);
+Box3d bounds_of(const Scene& scene, const Instance& instance);
 
 /// The default rig, when the scene has no light, emission or ambient: a key and a fill lamp and a
 /// dim grey surround, in proportion to the bounds. Add a default camera first: the surround

@@ -92,4 +92,14 @@ std::optional<LitPlace> lit_place(std::span<const ProbeNode> nodes, const LitWor
   return std::nullopt;
 }
 
+void move_places(LitPlace& lit, const Vec3d& by) {
+  lit.place += by;
+  for (LitChain& chain : lit.chains) {
+    for (LitPath& path : chain.paths) {
+      path.path.start += by;
+      for (LitCrossing& crossing : path.crossings) crossing.at.position += by;
+    }
+  }
+}
+
 }  // namespace abbe

@@ -60,4 +60,7 @@ std::uint32_t light_named(const LitWorld& world, const std::string& name);
 std::optional<LitPlace> lit_place(std::span<const ProbeNode> nodes, const LitWorld& world,
                                   const Scene& scene, int set, std::uint32_t light);
 
+/// Moves its places by `by`: from the world that was traced to the scene's coordinates.
+void move_places(LitPlace& lit, const Vec3d& by);
+
 }  // namespace abbe

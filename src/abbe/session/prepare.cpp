@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <utility>
 
 #include "abbe/base/error.h"
@@ -9,6 +10,7 @@
 #include "abbe/load/gltf.h"
 #include "abbe/load/spectra/foreign.h"
 #include "abbe/scene/lamps.h"
+#include "abbe/scene/local_origin.h"
 
 namespace abbe {
 namespace {
@@ -63,6 +65,11 @@ PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogu
   for (const Note& note : catalogue.notes().all()) notes.warn(note.where, note.text);
   PreparedScene prepared;
   prepared.scene = load_gltf(choice.file, catalogue, load, notes);
+  std::optional<std::size_t> seen_through;
+  if (!prepared.scene.cameras.empty()) {
+    seen_through = camera_index(prepared.scene, choice.camera);
+  }
+  place_about_local_origin(prepared.scene, seen_through);
   prepared.bounds = bounds_of(prepared.scene);
   prepared.has_default_camera = add_default_camera(prepared.scene);
   prepared.has_default_lights = add_default_lights(prepared.scene);

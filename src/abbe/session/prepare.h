@@ -19,11 +19,12 @@ struct SceneChoice {
   std::string lamp = {};       ///< Spectrum of the catalogue for all lamps; empty: the scene's own.
 };
 
-/// A scene with at least one camera and one source of light, and what was chosen for it.
+/// A scene with at least one camera and one source of light, and what was chosen for it; placed
+/// about a local origin (Scene::origin_m).
 struct PreparedScene {
   Scene scene;
   std::size_t camera = 0;
-  Box3f bounds;         ///< Of what the file holds, without the default rig.
+  Box3d bounds;         ///< Of what the file holds, without the default rig.
   std::string lamp_id;  ///< The spectrum that all lamps were given, if they were.
   bool has_default_lights = false;
   bool has_default_camera = false;

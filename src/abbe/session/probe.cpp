@@ -132,4 +132,10 @@ std::vector<ProbeNode> probe_tree(std::span<const FanRecord> records, const Scen
   return nodes;
 }
 
+void move_places(std::vector<ProbeNode>& nodes, const Vec3d& by) {
+  for (ProbeNode& node : nodes) {
+    for (ProbeLane& lane : node.lanes) lane.position += by;
+  }
+}
+
 }  // namespace abbe

@@ -69,4 +69,7 @@ Probed probe_pixel(const LitWorld& world, const Camera& camera, const RenderSett
 std::vector<ProbeNode> probe_tree(std::span<const FanRecord> records, const Scene& scene,
                                   const World& world, const CameraSample& sample);
 
+/// Moves the places of a tree by `by`: from the world that was traced to the scene's coordinates.
+void move_places(std::vector<ProbeNode>& nodes, const Vec3d& by);
+
 }  // namespace abbe

@@ -185,6 +185,7 @@ class Flattener {
 
 Geometry flatten(const Scene& scene, Notes& notes) {
   Geometry geometry;
+  geometry.origin_m = scene.origin_m;
   Flattener flattener(scene, geometry);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     flattener.add(static_cast<std::uint32_t>(i), scene.instances[i]);

@@ -31,6 +31,8 @@ struct Surface {
 /// polyhedra.
 /// Units: metres, in the world.
 struct Geometry {
+  Vec3d origin_m{
+      0.0};  ///< Of the scene: what is here at p, the scene's author placed at origin + p.
   std::vector<Surface> surfaces;
   std::vector<std::uint32_t> primitive_surface;  ///< Per primitive.
   std::vector<std::uint32_t> surface_solid;  ///< The primitive of an exact shape, or kNoPrimitive.

@@ -6,12 +6,10 @@
 
 namespace abbe {
 
-White scene_white(const Scene& scene, const Box3f& bounds, const Spectrum& d65,
+White scene_white(const Scene& scene, const Box3d& bounds, const Spectrum& d65,
                   const Observer& observer) {
   White white{"scene", {}, std::nullopt};
-  const Vec3d low(bounds.low), high(bounds.high);
-  const Vec3d middle = 0.5 * (low + high);
-  const double radius_m = 0.5 * glm::length(high - low);
+  const double radius_m = 0.5 * glm::distance(bounds.low, bounds.high);
   const Spectrum d65_of_1_cd = d65.scaled(1.0 / xyz_of(d65, observer).y);
   const auto add_rgb = [&](const Vec3d& rgb_rec709, double share) {
     // Every uplift gives a lamp's colour this white.
@@ -21,7 +19,7 @@ White scene_white(const Scene& scene, const Box3f& bounds, const Spectrum& d65,
   };
   for (const Light& light : scene.lights) {
     // A lamp amid the scene counts as one at its edge, not as infinitely bright.
-    const double lux = illuminance_lux(light, middle, radius_m);
+    const double lux = illuminance_lux(light, bounds.center(), radius_m);
     if (light.spectrum) {
       white.lamps.emplace_back(light.spectrum->spectrum, lux);
     } else {

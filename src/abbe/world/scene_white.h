@@ -11,7 +11,7 @@ namespace abbe {
 /// middle of `bounds` that faces it, nothing in the way; of a scene that only its emissive surfaces
 /// light, these, each with its share of their luminances. D65 for a scene without light.
 /// Domain: `observer` is the CIE 1931 observer.
-White scene_white(const Scene& scene, const Box3f& bounds, const Spectrum& d65,
+White scene_white(const Scene& scene, const Box3d& bounds, const Spectrum& d65,
                   const Observer& observer);
 
 }  // namespace abbe

@@ -223,12 +223,12 @@ void add_instance(const Scene& scene, std::uint32_t number, Notes& notes, FlatBo
   }
 }
 
-bool is_within(const Box3f& box, const Box3f& other) {
+bool is_within(const Box3d& box, const Box3d& other) {
   return glm::all(glm::lessThanEqual(other.low, box.low)) &&
          glm::all(glm::lessThanEqual(box.high, other.high));
 }
 
-bool are_apart(const Box3f& a, const Box3f& b) {
+bool are_apart(const Box3d& a, const Box3d& b) {
   return glm::any(glm::lessThan(a.high, b.low)) || glm::any(glm::lessThan(b.high, a.low));
 }
 
@@ -242,7 +242,7 @@ const Material& material_of(const Scene& scene, const Instance& instance) {
 // something reaches into or lies in; by boxes.
 void look_around(const Scene& scene, std::vector<BodyFacets>& bodies, Notes& notes,
                  FlatBodies& found) {
-  std::vector<Box3f> boxes;
+  std::vector<Box3d> boxes;
   std::vector<std::uint32_t> others;
   std::vector<bool> is_flat(scene.instances.size(), false);
   for (const BodyFacets& body : bodies) is_flat[body.body.instance] = true;
@@ -252,7 +252,7 @@ void look_around(const Scene& scene, std::vector<BodyFacets>& bodies, Notes& not
   }
   std::erase_if(bodies, [&](BodyFacets& candidate) {
     FlatBody& body = candidate.body;
-    const Box3f& own = boxes[body.instance];
+    const Box3d& own = boxes[body.instance];
     const auto around = std::find_if(others.begin(), others.end(),
                                      [&](std::uint32_t i) { return is_within(own, boxes[i]); });
     if (around != others.end() && !body.is_mirror) {

@@ -55,8 +55,7 @@ ExitCode run_probe(ProbeArguments& arguments) {
   console.show(notes);
   const Probed probed =
       probe_pixel(world, prepared.chosen_camera(), settings, pixel, arguments.sample);
-  const std::vector<ProbeNode> nodes =
-      probe_tree(probed.records, prepared.scene, world, probed.sample);
+  std::vector<ProbeNode> nodes = probe_tree(probed.records, prepared.scene, world, probed.sample);
   std::optional<LitPlace> lit;
   if (!arguments.light.empty()) {
     const std::uint32_t light = light_named(world, arguments.light);
@@ -76,12 +75,15 @@ ExitCode run_probe(ProbeArguments& arguments) {
                            standards.observer);
     write_text(arguments.svg, figure_svg(figure, world));
   }
+  const Vec3d& origin_m = prepared.scene.origin_m;
+  move_places(nodes, origin_m);
+  if (lit) move_places(*lit, origin_m);
   const PixelProbe probe{.pixel = pixel,
                          .size = settings.size,
                          .sample = arguments.sample,
                          .mode = mode_name(settings.mode),
                          .camera = prepared.camera_name(),
-                         .origin = probed.sample.origin,
+                         .origin = origin_m + Vec3d(probed.sample.origin),
                          .direction = probed.sample.direction,
                          .nodes = nodes,
                          .lit = std::move(lit)};

@@ -25,7 +25,7 @@ Description describe_scene(const PreparedScene& prepared, Notes& notes);
 Description describe_material(const Material& material, Notes& notes);
 
 /// One light with its spectrum and units.
-Description describe_light(const Light& light);
+Description describe_light(const Light& light, const Vec3d& origin_m);
 
 /// Size, channels and provenance of an EXR; size and channels of other images.
 Description describe_image(const std::filesystem::path& file);

@@ -148,7 +148,7 @@ Description describe_material(const Material& material, Notes& notes) {
   return out;
 }
 
-Description describe_light(const Light& light) {
+Description describe_light(const Light& light, const Vec3d& origin_m) {
   Description out;
   out["name"] = light.name.empty() ? "(nameless)" : light.name;
   const LightKind kind = kind_of(light);
@@ -164,7 +164,7 @@ Description describe_light(const Light& light) {
     out["color_rec709"] = triple(light.color_rec709);
   }
   if (kind.has_position) {
-    out["position_m"] = triple(Vec3d(light.to_world[3]));
+    out["position_m"] = triple(origin_m + Vec3d(light.to_world[3]));
     if (std::isfinite(light.range_m)) out["range_m"] = light.range_m;
   }
   if (kind.has_direction) {

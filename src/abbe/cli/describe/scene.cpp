@@ -33,7 +33,7 @@ Description describe_camera(const Camera& camera, std::size_t number,
     out["ymag_m"] = orthographic.ymag;
   }
   const Vec2i size = default_size(camera);
-  out["position_m"] = triple(Vec3d(camera.to_world[3]));
+  out["position_m"] = triple(prepared.scene.origin_m + Vec3d(camera.to_world[3]));
   out["looks_along"] = triple(-glm::normalize(Vec3d(camera.to_world[2])));
   out["default_size"] = fmt::format("{}x{}", size.x, size.y);
   out["chosen"] = number == prepared.camera;
@@ -79,11 +79,11 @@ Description describe_texture(const Texture& texture, std::size_t number, const S
   return out;
 }
 
-Description describe_bounds(const Box3f& bounds) {
+Description describe_bounds(const Box3d& bounds, const Vec3d& origin_m) {
   if (bounds.is_empty()) return nullptr;
   Description out;
-  out["low_m"] = triple(bounds.low);
-  out["high_m"] = triple(bounds.high);
+  out["low_m"] = triple(origin_m + bounds.low);
+  out["high_m"] = triple(origin_m + bounds.high);
   return out;
 }
 
@@ -118,14 +118,15 @@ Description describe_scene(const PreparedScene& prepared, Notes& notes) {
   out["hash"] = scene.content_hash;
   out["default_lights"] = prepared.has_default_lights;
   out["default_camera"] = prepared.has_default_camera;
-  out["bounds"] = describe_bounds(prepared.bounds);
+  out["bounds"] = describe_bounds(prepared.bounds, scene.origin_m);
 
   out["cameras"] = Description::array();
   for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
     out["cameras"].push_back(describe_camera(scene.cameras[i], i, prepared));
   }
   out["lights"] = Description::array();
-  for (const Light& light : scene.lights) out["lights"].push_back(describe_light(light));
+  for (const Light& light : scene.lights)
+    out["lights"].push_back(describe_light(light, scene.origin_m));
   if (scene.ambient) {
     out["ambient"] = {{"luminance_cd_per_m2", scene.ambient->luminance_cd_per_m2},
                       {"spectrum", scene.ambient->spectrum.id}};

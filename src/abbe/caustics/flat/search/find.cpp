@@ -93,8 +93,9 @@ FlatCaustics find_flat_caustics(const Scene& scene, const TabulatedScene& tables
     result.point.set_count = static_cast<std::size_t>(tables.lanes.set_count());
     result.point.index_ranges = index_ranges(tables);
   }
+  const Box3d all = bounds_of(scene);
   Box3f bounds;
-  for (const Instance& instance : scene.instances) bounds.extend(bounds_of(scene, instance));
+  if (!all.is_empty()) bounds = {Vec3f(all.low), Vec3f(all.high)};
   const std::vector<ParallelChain>& parallel = result.parallel.chains;
   result.near_parallel = ChainIndex(bounds, static_cast<std::uint32_t>(parallel.size()),
                                     [&](std::uint32_t i, const Vec3f& center, float radius_m) {

@@ -5,7 +5,7 @@
 namespace abbe {
 namespace {
 
-bool are_apart(const Box3f& a, const Box3f& b) {
+bool are_apart(const Box3d& a, const Box3d& b) {
   return glm::any(glm::lessThan(a.high, b.low)) || glm::any(glm::lessThan(b.high, a.low));
 }
 
@@ -26,14 +26,14 @@ void Obstacles::mark(std::vector<ChainStep>& steps) {
 }
 
 bool Obstacles::may_stand_between(std::uint32_t facet, std::uint32_t other) {
-  Box3f hull;
+  Box3d hull;
   for (const std::uint32_t first : {facet, other}) {
     // With what follows of its face.
     const Facet& plane = flat_.facets[first];
     for (std::size_t f = first; f < flat_.facets.size(); ++f) {
       const Facet& piece = flat_.facets[f];
       if (piece.body != plane.body || piece.normal != plane.normal) break;
-      for (const Vec3d& corner : piece.corners) hull.extend(Vec3f(corner));
+      for (const Vec3d& corner : piece.corners) hull.extend({corner, corner});
     }
   }
   const FlatBody& body = flat_.bodies[flat_.facets[facet].body];

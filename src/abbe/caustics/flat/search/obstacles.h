@@ -7,7 +7,6 @@
 
 #include "abbe/caustics/flat/bodies.h"
 #include "abbe/caustics/flat/chain.h"
-#include "abbe/math/ray.h"
 #include "abbe/scene/scene.h"
 
 namespace abbe {
@@ -25,7 +24,7 @@ class Obstacles {
   bool may_stand_between(std::uint32_t facet, std::uint32_t other);
 
   const FlatBodies& flat_;
-  std::vector<Box3f> boxes_;  ///< By instance.
+  std::vector<Box3d> boxes_;  ///< By instance.
   std::unordered_map<std::uint64_t, bool> known_;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "abbe/accel/query.h"
@@ -24,6 +25,8 @@ struct IntegratorScratch::Buffers {
 
   ShadowBuffers shadows;
   AlignedVector<float> local_light;  ///< Emission and ambient light, per sample and lane.
+  /// The number of the material that each sample's camera ray begins in.
+  std::vector<std::optional<std::uint32_t>> camera_media;
 };
 
 }  // namespace abbe

@@ -22,6 +22,7 @@
 #include "abbe/integrate/integrator.h"
 #include "abbe/integrate/light/direct_light-inl.h"
 #include "abbe/integrate/recorder.h"
+#include "abbe/integrate/start_media.h"
 #include "abbe/integrate/surface/material_lanes-inl.h"
 #include "abbe/integrate/surface/material_sample.h"
 #include "abbe/integrate/surface/microfacet_lanes-inl.h"
@@ -59,6 +60,7 @@ class Tracer {
     b_.shadows.direct_light.assign(radiance.size(), 0.0f);
     std::fill(results_.light_parts.begin(), results_.light_parts.end(), 0.0f);
     std::fill(results_.albedo.begin(), results_.albedo.end(), 0.0f);
+    b_.camera_media.assign(samples_.size(), std::nullopt);
     FanQueue queue(b_.spare_lists, stats_);
     FanList first = queue.take_list();
     for (std::size_t i = 0; i < samples_.size(); ++i) start(first, static_cast<std::uint32_t>(i));
@@ -66,6 +68,9 @@ class Tracer {
                                     FanList& next) { run_batch(list, begin, end, next); });
     for (std::size_t i = 0; i < radiance.size(); ++i) {
       radiance[i] = b_.local_light[i] + b_.shadows.direct_light[i];
+    }
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      if (b_.camera_media[i]) see_from(*b_.camera_media[i], i);
     }
   }
 
@@ -76,13 +81,34 @@ class Tracer {
     fan.direction = samples_[sample].direction;
     fan.lanes = LaneMask::first(world_.lanes.lane_count());
     fan.sample = sample;
+    fan.media = start_media(world_, fan.origin, fan.direction);
     fan.data = list.reserve_lanes(false, stride_);
     for (int lane = 0; lane < stride_; ++lane) {
       list.pool[fan.data + lane] = lane < world_.lanes.lane_count() ? 1.0f : 0.0f;
     }
+    b_.camera_media[sample] = fan.media.innermost();
     list.fans.push_back(fan);
     ++stats_.camera_rays;
     stats_.weight_started += 1.0;
+  }
+
+  // The camera sees the radiance in the medium that it stands in: n² times the basic one.
+  void see_from(std::uint32_t medium, std::size_t sample) const {
+    const D d;
+    const float* n = world_.row(world_.materials[medium].index, samples_[sample].set);
+    const auto scale = [&](std::span<float> all, std::size_t rows) HWY_ATTR {
+      if (all.empty()) return;
+      float* first = all.data() + sample * rows * static_cast<std::size_t>(stride_);
+      for (std::size_t row = 0; row < rows; ++row) {
+        for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+          float* to = first + row * static_cast<std::size_t>(stride_) + i;
+          const auto index = hn::LoadU(d, n + i);
+          hn::StoreU(hn::Mul(hn::LoadU(d, to), hn::Mul(index, index)), d, to);
+        }
+      }
+    };
+    scale(results_.radiance, 1);
+    scale(results_.light_parts, kLightParts);
   }
 
   // A fan's path through the integrator, from here on: hits → surface → lobes → children, while
@@ -157,6 +183,10 @@ class Tracer {
     const int leader = hit.lanes.front();
     const MediumChange change = cross(fan.media, number, material.transmission, hit.front);
     const BoundaryRows rows = boundary_rows(world_, material, change, sample.set);
+    // A camera behind an open surface: only its rays know.
+    if (fan.media.empty() && change.arrives_in && fan.first_turn == FanOrigin::Camera) {
+      b_.camera_media[fan.sample] = change.arrives_in;
+    }
 
     const float path_length_m = fan.path_length_m + hit.distance_m[leader];
     const bool wants_albedo = fan.depth == 0 && !results_.albedo.empty();

@@ -209,6 +209,17 @@ ShapeSpans Geometry::shapes(std::span<const VisibilityMask> masks) const {
           .masks = masks};
 }
 
+Box3f Geometry::bounds_of(std::size_t primitive) const {
+  if (primitive < triangles.size()) {
+    Box3f box;
+    for (const std::uint32_t corner : triangles[primitive]) box.extend(positions[corner]);
+    return box;
+  }
+  primitive -= triangles.size();
+  return primitive < ellipsoids.size() ? ellipsoids[primitive].bounds
+                                       : polyhedra[primitive - ellipsoids.size()].bounds;
+}
+
 std::size_t Geometry::bytes() const {
   const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   return bytes(positions) + bytes(triangles) + bytes(normals) + bytes(tangents) + bytes(uv) +

@@ -51,6 +51,7 @@ struct Geometry {
   /// What an accelerator is built over; `masks` one per primitive.
   ShapeSpans shapes(std::span<const VisibilityMask> masks) const;
   std::size_t bytes() const;
+  Box3f bounds_of(std::size_t primitive) const;
 };
 
 /// Places the instances of a scene, one surface each. Degenerate and non-finite triangles that

@@ -19,6 +19,18 @@ std::vector<VisibilityMask> masks_of(const Geometry& geometry,
   return masks;
 }
 
+std::vector<Box3f> boxes_of_media(const World& world) {
+  const Geometry& geometry = world.geometry;
+  std::vector<Box3f> boxes(geometry.surfaces.size());
+  for (std::size_t i = 0; i < geometry.primitive_surface.size(); ++i) {
+    const std::uint32_t surface = geometry.primitive_surface[i];
+    const SurfaceMaterial& material = world.materials[geometry.surfaces[surface].material];
+    if (material.transmission == Transmission::Medium) boxes[surface].extend(geometry.bounds_of(i));
+  }
+  std::erase_if(boxes, [](const Box3f& box) { return box.is_empty(); });
+  return boxes;
+}
+
 }  // namespace
 
 TabulatedScene tabulate(const Scene& scene, const WorldOptions& options, const Observer& observer,
@@ -64,7 +76,10 @@ World make_world(TabulatedScene tables, Geometry geometry, std::span<const std::
   VisibilityMask bits = 0;
   for (const VisibilityMask mask : masks) bits |= mask;
   auto built = build_accelerator(accelerator, geometry.shapes(masks));
-  return {std::move(tables), std::move(geometry), std::move(built), bits};
+  World world{std::move(tables), std::move(geometry), std::move(built), bits};
+  world.medium_boxes = boxes_of_media(world);
+  for (const Box3f& box : world.medium_boxes) world.media_bounds.extend(box);
+  return world;
 }
 
 std::vector<Spectrum> lamp_spectra(const Scene& scene, const Spectrum& d65) {

@@ -59,6 +59,9 @@ struct World : TabulatedScene {
   std::unique_ptr<const Accelerator> accelerator;
   /// Which kinds of surfaces there are, as bits of the accelerator's masks.
   VisibilityMask visibility_bits = 0;
+  /// Of each surface that bounds a medium, and of all of them.
+  std::vector<Box3f> medium_boxes = {};
+  Box3f media_bounds = {};
 };
 
 /// Puts what a scene is made of into an accelerator of that name.

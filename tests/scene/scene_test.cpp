@@ -73,8 +73,7 @@ TEST(bounds_of, convex_prism_is_bounded_by_its_corners) {
   // A 60° prism with unnormalised planes: x-extent ±√3/3·... from its corners (±1, 0) and (0, √3).
   const double r3 = std::sqrt(3.0);
   ConvexShape prism{{{0, -2, 0, 0}, {r3, 1, 0, r3}, {-r3, 1, 0, r3}, {0, 0, 1, 3}, {0, 0, -1, 3}}};
-  expect_box(bounds_of(shape_scene(prism, Mat4d(1.0))), {-1, 0, -3},
-             {1, r3, 3});
+  expect_box(bounds_of(shape_scene(prism, Mat4d(1.0))), {-1, 0, -3}, {1, r3, 3});
 }
 
 TEST(add_default_lights, scene_without_light_gets_two) {

@@ -114,8 +114,8 @@ INSTANTIATE_TEST_SUITE_P(scenes, FarScene,
                            return name;
                          });
 
-// 32 times the least of what is seen, about 10 m here, along each axis.
-constexpr double kReach_m = 600.0;
+// 8 times the least of what is seen, about 8 m here, along each axis.
+constexpr double kReach_m = 110.0;
 
 // A glass box and a ball before a wall, all of whose places are whole 64ths.
 Scene round_scene() {

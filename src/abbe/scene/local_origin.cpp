@@ -8,8 +8,8 @@
 namespace abbe {
 namespace {
 
-// Coordinates may exceed the distances that are seen by this factor: 5 of 24 bits.
-constexpr double kReach = 32.0;
+// Coordinates may exceed the distances that are seen by this factor: 2 of 24 bits, 3 on a grid.
+constexpr double kReach = 4.0;
 
 // The distance of a box's farthest corner.
 double farthest_m(const Box3d& box, const Vec3d& place) {

@@ -57,7 +57,8 @@ struct FlatBodies {
   std::vector<std::string> fallbacks;
 };
 
-/// Most facets of a body whose chains are worth counting out.
+/// Most facets of a body of glass whose chains are worth counting out. Mirrors may have as many as
+/// the triangles that are tried, 64 times more: light meets them once.
 inline constexpr std::size_t kMaxFacets = 512;
 
 /// Finds smooth untextured dielectrics with flat faces (convex shapes, closed meshes) and smooth

@@ -29,6 +29,7 @@ double radiance_per_lux(double wavelength_nm) {
   scene.lights.push_back(test::point_light({0, 1, 0}, 1.0));
   scene.cameras.push_back(test::orthographic_camera({0, 0.5, 0}, {0, 0, 0}, 1e-5, 1e-5));
   RenderSettings settings = test::small_settings();
+  settings.inner_reflections = 1;  // As the reference follows it.
   settings.wavelengths.exact_nm = {wavelength_nm};
   return static_cast<double>(
       test::pixel(test::render(scene, settings).image, 4, 4, spectral_channel_name(wavelength_nm)));
@@ -98,6 +99,7 @@ TEST_P(ForwardFloor, irradiance_of_every_patch_is_that_of_rays_sent_forwards) {
   const FloorCase& expected = *GetParam();
   const CausticScene scene = expected.make();
   RenderSettings settings = test::small_settings();
+  settings.inner_reflections = 1;  // As the reference follows it.
   settings.samples_per_pixel = 1024;
   settings.wavelengths.exact_nm = {kLine_d_nm};
   const std::vector<double> measured =
@@ -129,6 +131,7 @@ TEST_P(ForwardFloor, light_that_glass_throws_is_never_more_than_fell_on_it) {
   // On a wide floor, without the straight light around the glass: all that leaves downwards.
   CausticScene scene = GetParam()->make();
   RenderSettings settings = test::small_settings();
+  settings.inner_reflections = 1;  // As the reference follows it.
   settings.size = {32, 32};
   settings.samples_per_pixel = 4;
   settings.wavelengths.exact_nm = {kLine_d_nm};
@@ -171,6 +174,7 @@ TEST(ForwardSlit, lines_of_a_lamp_behind_a_slit_lie_where_rays_sent_forwards_lan
   for (const char* glass : {"glass/schott/N-BK7", "glass/schott/N-SF11"}) {
     const test::Newton n = test::newton_with_slit(glass);
     RenderSettings settings = test::small_settings();
+    settings.inner_reflections = 1;  // As the reference follows it.
     settings.size = n.size;
     settings.samples_per_pixel = 16;
     settings.wavelengths.exact_nm = {kLineF_nm, kLine_d_nm, kLineC_nm};

@@ -51,6 +51,7 @@ Landing land(const Newton& n, double wavelength_nm) {
 /// A picture of single lines, averaged over pixels.
 RenderSettings settings_of_lines(const Newton& n, int samples, std::vector<double> lines_nm) {
   RenderSettings settings;
+  settings.inner_reflections = 1;  // More throw faint light between the lines.
   settings.size = n.size;
   settings.samples_per_pixel = samples;
   settings.filter = "box";

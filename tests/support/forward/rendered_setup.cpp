@@ -1,5 +1,6 @@
 #include "support/forward/rendered_setup.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +13,10 @@
 
 namespace abbe::test {
 namespace {
+
+// Along the side of a cell. The average of parallel light over a pixel is good where the pixel is
+// smaller than what the light falls on.
+constexpr int kPixels = 16;
 
 Scene loaded(const OpticalSetup& setup) {
   std::string folder = (std::filesystem::temp_directory_path() / "abbe-setup-XXXXXX").string();
@@ -34,16 +39,23 @@ RenderSettings setup_settings(const OpticalSetup& setup, double wavelength_nm) {
 }
 
 std::vector<double> rendered_irradiance(const OpticalSetup& setup, const RenderSettings& settings) {
-  const Image image = render(loaded(setup), settings).image;
+  RenderSettings finer = settings;
+  finer.size = settings.size * kPixels;
+  finer.samples_per_pixel = std::max(1, settings.samples_per_pixel / (kPixels * kPixels));
+  const Image image = render(loaded(setup), finer).image;
   // A lamp of equal energy and 1 lx, by the observer's sum over 360 to 830 nm in steps of 1 nm; a
   // matte wall of albedo 0.8.
   const double irradiance_per_lux = 1.0 / (kLuminousEfficacy_lm_per_W * 106.856917);
   const double radiance = 0.8 / kPi * irradiance_per_lux * setup.unit;
   const std::string channel = spectral_channel_name(settings.wavelengths.exact_nm.front());
-  std::vector<double> cells;
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      cells.push_back(static_cast<double>(pixel(image, x, y, channel)) / radiance);
+  std::vector<double> cells(static_cast<std::size_t>(settings.size.x * settings.size.y));
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const auto cell = static_cast<std::size_t>(y / kPixels * settings.size.x + x / kPixels);
+      cells[cell] +=
+          static_cast<double>(pixel(image, x, y, channel)) / (radiance * kPixels * kPixels);
+    }
+  }
   return cells;
 }
 

@@ -105,8 +105,19 @@ TEST_P(FieldPanes, emitter_is_seen_through_two_panes_at_45_degrees) {
 }
 
 INSTANTIATE_TEST_SUITE_P(scenes, FieldPanes,
-                         testing::Values(PaneCase{"um_10", "F6_panes_gap_1e-05", 0.8176}),
+                         testing::Values(PaneCase{"contact", "F6_panes_gap_0", 0.8996},
+                                         PaneCase{"um_1", "F6_panes_gap_1e-06", 0.8176},
+                                         PaneCase{"um_10", "F6_panes_gap_1e-05", 0.8176}),
                          [](const auto& test) { return std::string(test.param.name); });
+
+TEST(FieldScene, floor_under_a_cube_is_seen_through_a_thin_gap) {
+  RenderSettings settings = settings_of({8, 8}, 4);
+  settings.caustics = false;
+  settings.max_depth = 2;  // Without what goes to and fro in the cube.
+  const auto [least, most] = extremes_of(shares_of_lamp(load("F6_cube_on_floor"), settings));
+  EXPECT_NEAR(least, 0.8409, 1e-4);  // Two faces for the eye, two for the lamp; stated to 1e-4.
+  EXPECT_NEAR(most, least, 1e-6);    // Roundings.
+}
 
 TEST(FieldScene, line_at_a_prisms_rim_does_not_depend_on_the_other_lines) {
   const Scene scene = load("F1_prism_red_rim");

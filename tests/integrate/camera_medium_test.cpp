@@ -139,10 +139,10 @@ TEST(StartMedia, stack_is_that_of_the_bodies_around_outermost_first) {
     ASSERT_FALSE(media.empty());
     EXPECT_EQ(media.top(), ball);
     media.remove(ball);
-    EXPECT_EQ(media.innermost(), sea);
+    EXPECT_EQ(media.owner(), sea);
     media.remove(sea);
     EXPECT_TRUE(media.empty());
-    EXPECT_EQ(start_media(world, Vec3f(-1.5f, 0, 0), direction).innermost(), sea);
+    EXPECT_EQ(start_media(world, Vec3f(-1.5f, 0, 0), direction).owner(), sea);
     EXPECT_TRUE(start_media(world, Vec3f(3.0f, 0, 0), direction).empty());
   }
 }

@@ -215,31 +215,34 @@ class Branching {
           hn::IfThenElseZero(LanesFrom(d, fan.lanes, i), hn::Load(d, child.throughput.v + i)), d,
           out + i);
     }
+    fan.departure = departure_from(at.hit, fan.lanes, child.direction);
     if (fan.spread) {
-      const bool all_inside = store_rays(at.hit, child.direction, fan.lanes, out + stride_);
+      const bool all_inside = store_rays(at.hit, child.direction, fan, out + stride_);
       if (all_inside) fan.inside = world_.geometry.surface_solid[at.hit.surface];
     } else {
       const int lane = fan.lanes.front();
+      const float offset_m = fan.departure.is_crowded() ? 0.0f : at.hit.offset_m[lane];
       fan.direction = child.direction.get(lane);
-      fan.origin = off_surface(at.hit.position.get(lane), at.hit.outward.get(lane),
-                               at.hit.offset_m[lane], fan.direction);
+      fan.origin =
+          off_surface(at.hit.position.get(lane), at.hit.outward.get(lane), offset_m, fan.direction);
     }
     count(child.made_by, fan.spread ? static_cast<std::uint64_t>(fan.lanes.count()) : 1);
     next.fans.push_back(fan);
   }
 
-  // A ray per lane, as FanList has them; whether all of `lanes` go below the surface.
-  bool store_rays(const SurfaceHit& hit, const LaneArray3& directions, const LaneMask& lanes,
+  // A ray per lane, as FanList has them; whether all of them go below the surface.
+  bool store_rays(const SurfaceHit& hit, const LaneArray3& directions, const Fan& fan,
                   float* out) const {
     const D d;
     bool all_inside = true;
+    const auto step = hn::Set(d, fan.departure.is_crowded() ? 0.0f : 1.0f);
     for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
       const auto direction = Load3(d, directions, i);
       const auto outward = Load3(d, hit.outward, i);
       const auto inside = hn::Lt(Dot3(d, direction, outward), hn::Zero(d));
-      all_inside &= hn::AllFalse(d, hn::AndNot(inside, LanesFrom(d, lanes, i)));
+      all_inside &= hn::AllFalse(d, hn::AndNot(inside, LanesFrom(d, fan.lanes, i)));
       const auto origin = OffSurface(d, Load3(d, hit.position, i), outward,
-                                     hn::Load(d, hit.offset_m.v + i), inside);
+                                     hn::Mul(step, hn::Load(d, hit.offset_m.v + i)), inside);
       hn::StoreU(origin.x, d, out + i);
       hn::StoreU(origin.y, d, out + stride_ + i);
       hn::StoreU(origin.z, d, out + 2 * stride_ + i);

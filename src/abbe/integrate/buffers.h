@@ -22,6 +22,11 @@ struct IntegratorScratch::Buffers {
   std::vector<RayPacket> packets;
   std::vector<HitPacket> packet_hits;
   std::vector<std::uint32_t> first_query;  ///< Per fan of the batch.
+  // Where surfaces may touch: what is there besides the surface that was met, the first nothing;
+  // and its number per hit, and per lane of the packets.
+  std::vector<Contact> contacts;
+  std::vector<std::uint32_t> hit_contacts;
+  AlignedVector<std::uint32_t> lane_contacts;
 
   ShadowBuffers shadows;
   AlignedVector<float> local_light;  ///< Emission and ambient light, per sample and lane.

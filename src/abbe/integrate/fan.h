@@ -8,6 +8,7 @@
 #include "abbe/accel/query.h"
 #include "abbe/base/aligned.h"
 #include "abbe/integrate/fan_origin.h"
+#include "abbe/integrate/surface/contact.h"
 #include "abbe/integrate/surface/media.h"
 #include "abbe/math/lane_mask.h"
 #include "abbe/math/random.h"
@@ -36,6 +37,7 @@ struct Fan {
   bool common_origin = false;
   /// The exact shape that all its rays begin in, if that is known.
   std::uint32_t inside = kNoPrimitive;
+  Departure departure;  ///< From a surface with something nearby: origins are on it.
   MediumStack media;
   std::uint32_t parent_record = 0;  ///< For probes: 1 + number of the record that led here.
 };

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "abbe/integrate/buffers.h"
+#include "abbe/integrate/fan_contacts.h"
 #include "abbe/integrate/surface/hit.h"
 #include "abbe/integrate/surface/point_lanes-inl.h"
 
@@ -29,8 +30,16 @@ struct BatchHits {
   std::span<const Hit> hits;                   ///< Of united fans.
   std::span<const HitPacket> packets;          ///< Of spread ones.
   std::span<const std::uint32_t> first_query;  ///< A fan's place in hits, or in packets its first.
+  // Where surfaces may touch, as the buffers have them; else empty.
+  std::span<const Contact> contacts;
+  std::span<const std::uint32_t> hit_contacts, lane_contacts;
 
   std::uint32_t query_of(std::size_t fan) const { return first_query[fan - first]; }
+  /// What a united fan met besides the surface; null: nothing.
+  const Contact* contact_of(std::size_t fan) const {
+    const std::uint32_t number = contacts.empty() ? 0 : hit_contacts[query_of(fan)];
+    return number == 0 ? nullptr : &contacts[number];
+  }
 };
 
 /// Where the fans of a batch meet surfaces, and which lanes of a spread fan go on together.
@@ -47,7 +56,11 @@ class FanHits {
     } else {
       find_fan_hits(list, first, last);
     }
-    return {first, b_.hits, b_.packet_hits, b_.first_query};
+    if (world_.touching_size_m.empty())
+      return {first, b_.hits, b_.packet_hits, b_.first_query, {}, {}, {}};
+    settle_contacts(world_, list, first, last, b_);
+    return {first,       b_.hits,         b_.packet_hits,  b_.first_query,
+            b_.contacts, b_.hit_contacts, b_.lane_contacts};
   }
 
   /// Asks for the memory that shading the fans of a batch will read, of which `at` is next. Domain:
@@ -81,6 +94,9 @@ class FanHits {
       std::copy(packet.v, packet.v + kPacketLanes, hits.v.v + begin);
       std::copy(packet.primitive, packet.primitive + kPacketLanes, hits.primitive + begin);
     }
+    if (!batch.contacts.empty()) {
+      hits.contact = batch.lane_contacts.data() + kPacketLanes * batch.query_of(number);
+    }
     return hits;
   }
 
@@ -106,6 +122,7 @@ class FanHits {
       }
       hit.front = met_front_.test(leader);
       hit.lanes = left & (hit.front ? group & met_front_ : group - met_front_);
+      if (hits.contact != nullptr) keep_contact_of(leader, hits, hit);
       left = left - hit.lanes;
       gather_group(hits, hit);
       visit(std::as_const(hit));
@@ -113,9 +130,11 @@ class FanHits {
   }
 
   /// The hit of a united fan.
-  SurfaceHit united_hit(const Fan& fan, const Hit& met, const SurfacePoint& point) const {
+  SurfaceHit united_hit(const Fan& fan, const Hit& met, const SurfacePoint& point,
+                        const Contact* contact) const {
     const D d;
     SurfaceHit hit;
+    hit.contact = contact;
     hit.lanes = fan.lanes;
     hit.surface = point.surface;
     hit.front = glm::dot(fan.direction, point.normal) < 0.0f;
@@ -124,7 +143,8 @@ class FanHits {
     Splat(d, stride_, fan.direction, hit.direction);
     Splat(d, stride_, point.normal, hit.outward);
     Splat(d, stride_, hit.front ? point.shading_normal : -point.shading_normal, hit.normal);
-    Splat(d, stride_, point.offset_m, hit.offset_m);
+    Splat(d, stride_, point.offset_m + (contact != nullptr ? contact->spread_m : 0.0f),
+          hit.offset_m);
     Splat(d, stride_, met.t, hit.distance_m);
     return hit;
   }
@@ -297,6 +317,13 @@ class FanHits {
     }
   }
 
+  // Keeps the lanes that met the same besides as one of them.
+  void keep_contact_of(int leader, const HitLanes& hits, SurfaceHit& hit) const {
+    const std::uint32_t number = hits.contact[leader];
+    hit.lanes = LanesWith(D(), stride_, hits.contact, number, hit.lanes);
+    hit.contact = number == 0 ? nullptr : &b_.contacts[number];
+  }
+
   // The geometry of a hit, of which surface, side and lanes are known. Other lanes take that of the
   // first, so that all numbers are sane.
   void gather_group(const HitLanes& hits, SurfaceHit& hit) {
@@ -310,6 +337,7 @@ class FanHits {
     const auto leader_direction = Set3(d, hits.direction.get(leader));
     const auto leader_outward = Set3(d, met_.outward.get(leader));
     const auto leader_shading = Set3(d, met_.shading_normal.get(leader));
+    const float spread_m = hit.contact != nullptr ? hit.contact->spread_m : 0.0f;
     const auto leader_offset = hn::Set(d, met_.offset_m[leader]);
     const auto leader_distance = hn::Set(d, hits.t[leader]);
     const auto side = hn::Set(d, hit.front ? 1.0f : -1.0f);
@@ -325,8 +353,9 @@ class FanHits {
           d,
           Vec3Of<D>{hn::Mul(side, shading.x), hn::Mul(side, shading.y), hn::Mul(side, shading.z)},
           hit.normal, i);
-      hn::Store(hn::IfThenElse(member, hn::Load(d, met_.offset_m.v + i), leader_offset), d,
-                hit.offset_m.v + i);
+      hn::Store(hn::Add(hn::IfThenElse(member, hn::Load(d, met_.offset_m.v + i), leader_offset),
+                        hn::Set(d, spread_m)),
+                d, hit.offset_m.v + i);
       hn::Store(hn::IfThenElse(member, hn::Load(d, hits.t.v + i), leader_distance), d,
                 hit.distance_m.v + i);
     }

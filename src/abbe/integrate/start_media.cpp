@@ -1,9 +1,11 @@
 #include "abbe/integrate/start_media.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <vector>
 
+#include "abbe/accel/query.h"
 #include "abbe/integrate/surface/point.h"
 #include "abbe/math/ray.h"
 
@@ -22,15 +24,29 @@ MediumStack start_media(const World& world, const Vec3f& place, const Vec3f& dir
   world.accelerator->all_hits(std::span(&ray, 1), kTransparentBit | kExactGlassBit, 0, hits);
   MediumStack media;
   std::vector<std::uint32_t> left;  // Innermost first.
+  const float reach_m = std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)});
+  std::uint32_t last_surface = kNoPrimitive;
+  bool last_front = false;
+  float last_t = 0.0f;
   for (const Hit& hit : hits[0]) {
     const SurfacePoint point = surface_point(world, place, direction, hit);
     const std::uint32_t number = world.geometry.surfaces[point.surface].material;
     const bool front = glm::dot(direction, point.normal) < 0.0f;
-    const MediumChange change = cross(media, number, world.materials[number].transmission, front);
-    if (change.crossing == Crossing::Leave && !media.contains(number)) left.push_back(number);
-    media = change.behind;
+    const SurfaceMaterial& material = world.materials[number];
+    if (material.transmission != Transmission::Medium) continue;
+    // Through the edge of two triangles a ray meets one face twice.
+    const bool is_same = point.surface == last_surface && front == last_front;
+    if (is_same && hit.t - last_t <= 4e-7f * (hit.t + reach_m)) continue;
+    last_surface = point.surface;
+    last_front = front;
+    last_t = hit.t;
+    if (!front && !media.contains(number)) left.push_back(number);
+    const MetFace face{number, material.priority, front};
+    media = cross(media, material.transmission, {&face, 1}).behind;
   }
-  for (std::size_t i = left.size(); i-- > 0;) start.push(left[i]);
+  for (std::size_t i = left.size(); i-- > 0;) {
+    start.push(left[i], world.materials[left[i]].priority);
+  }
   return start;
 }
 

@@ -86,7 +86,7 @@ class Tracer {
     for (int lane = 0; lane < stride_; ++lane) {
       list.pool[fan.data + lane] = lane < world_.lanes.lane_count() ? 1.0f : 0.0f;
     }
-    b_.camera_media[sample] = fan.media.innermost();
+    b_.camera_media[sample] = fan.media.owner();
     list.fans.push_back(fan);
     ++stats_.camera_rays;
     stats_.weight_started += 1.0;
@@ -155,7 +155,7 @@ class Tracer {
     }
     const SurfacePoint point = surface_point(world_, fan.origin, fan.direction, met);
     if (fan.depth == 0 && !results_.first_hits.empty()) keep_first_hit(fan, point, met.t);
-    shade(fan, found_.united_hit(fan, met, point), throughput, next);
+    shade(fan, found_.united_hit(fan, met, point, batch.contact_of(number)), throughput, next);
   }
 
   void follow_spread(const FanList& list, const BatchHits& batch, std::size_t number,
@@ -178,10 +178,9 @@ class Tracer {
     const D d;
     LaneArray throughput = arriving;
     const CameraSample& sample = samples_[fan.sample];
-    const std::uint32_t number = world_.geometry.surfaces[hit.surface].material;
-    const SurfaceMaterial& material = world_.materials[number];
+    const SurfaceMaterial& material = material_of(world_, hit);
     const int leader = hit.lanes.front();
-    const MediumChange change = cross(fan.media, number, material.transmission, hit.front);
+    const MediumChange change = change_at(world_, hit, fan.media);
     const BoundaryRows rows = boundary_rows(world_, material, change, sample.set);
     // A camera behind an open surface: only its rays know.
     if (fan.media.empty() && change.arrives_in && fan.first_turn == FanOrigin::Camera) {

@@ -60,7 +60,9 @@ class Tabulator {
     material.base_color_is_spectrum = source.reflectance || source.conductor;
     material.base_color = base_color(source);
     material.index = rows_.add(lanes_.index(source.index));
-    if (source.transmission > 0.0f && !source.conductor) {
+    // Metal lets nothing through.
+    const bool is_metal = material.metallic >= 1.0f && !material.metallic_roughness_texture;
+    if (source.transmission > 0.0f && !is_metal) {
       material.transmission_factor = source.transmission;
       material.transmission = source.has_volume ? Transmission::Medium : Transmission::ThinSheet;
     }

@@ -70,6 +70,11 @@ struct SurfaceMaterial {
     return base_color_texture || metallic_roughness_texture || transmission_texture ||
            emissive_texture || (film && (film->factor_texture || film->thickness_texture));
   }
+  /// Whether it is the boundary of a medium everywhere, and nothing else.
+  bool bounds_clear_medium() const {
+    return transmission == Transmission::Medium && alpha_mode == AlphaMode::Opaque && !unlit &&
+           !index_is_infinite;
+  }
   bool lets_light_pass() const {
     return transmission != Transmission::None || alpha_mode != AlphaMode::Opaque;
   }

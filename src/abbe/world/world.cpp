@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "abbe/accel/touching.h"
+
 namespace abbe {
 namespace {
 
@@ -29,6 +31,24 @@ std::vector<Box3f> boxes_of_media(const World& world) {
   }
   std::erase_if(boxes, [](const Box3f& box) { return box.is_empty(); });
   return boxes;
+}
+
+// Primitives of bodies and sheets that may be in contact with something. Rays that come from afar
+// tell what is first by distances whose rounding grows with the size of the scene.
+std::vector<float> touching_primitives(const Geometry& geometry,
+                                       const std::vector<SurfaceMaterial>& materials,
+                                       const Accelerator& accelerator) {
+  std::vector<std::uint8_t> matters;
+  matters.reserve(geometry.surfaces.size());
+  for (const Surface& surface : geometry.surfaces) {
+    const SurfaceMaterial& material = materials[surface.material];
+    matters.push_back(material.bounds_clear_medium() ||
+                      material.transmission == Transmission::ThinSheet);
+  }
+  const Box3f bounds = accelerator.bounds();
+  const Vec3f largest = glm::max(glm::abs(bounds.low), glm::abs(bounds.high));
+  const float margin_m = 1e-6f * (largest.x + largest.y + largest.z);
+  return find_touching(geometry.shapes({}), geometry.primitive_surface, matters, margin_m);
 }
 
 }  // namespace
@@ -76,7 +96,9 @@ World make_world(TabulatedScene tables, Geometry geometry, std::span<const std::
   VisibilityMask bits = 0;
   for (const VisibilityMask mask : masks) bits |= mask;
   auto built = build_accelerator(accelerator, geometry.shapes(masks));
+  std::vector<float> touching = touching_primitives(geometry, tables.materials, *built);
   World world{std::move(tables), std::move(geometry), std::move(built), bits};
+  world.touching_size_m = std::move(touching);
   world.medium_boxes = boxes_of_media(world);
   for (const Box3f& box : world.medium_boxes) world.media_bounds.extend(box);
   return world;

@@ -62,6 +62,9 @@ struct World : TabulatedScene {
   /// Of each surface that bounds a medium, and of all of them.
   std::vector<Box3f> medium_boxes = {};
   Box3f media_bounds = {};
+  /// Per primitive that may touch others, the largest coordinate of it and them, else 0; empty
+  /// where nothing may touch anything.
+  std::vector<float> touching_size_m = {};
 };
 
 /// Puts what a scene is made of into an accelerator of that name.

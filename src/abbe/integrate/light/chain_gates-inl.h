@@ -95,7 +95,9 @@ void AddGates(ShadowQueue<D>& shadows, const World& world, const ChainPath& chai
     gate.spread = true;
     gate.at_glass = AtGlass::Ends;
     gate.gate_of = main.data;
-    if (const auto medium = step.comes_from()) gate.media.push(*medium);
+    if (const auto medium = step.comes_from()) {
+      gate.media.push(*medium, world.materials[*medium].priority);
+    }
     shadows.reserve(gate);
     shadows.add(gate, [&](int lane) { return GateRay(chain, met, light, s, lane); });
   }

@@ -42,6 +42,7 @@ class DirectLight {
     const D d;
     const Fan& fan = surface.where.fan;
     const SurfaceHit& hit = surface.where.hit;
+    if (hit.contact != nullptr && hit.contact->arrival == Nearby::Opaque) return;
     const int set = samples_[fan.sample].set;
     const float fog_per_m = world_.fog && fan.media.empty() ? world_.fog->extinction_per_m : 0.0f;
     LightGeometry to_light;
@@ -54,6 +55,7 @@ class DirectLight {
       const auto lamp = static_cast<std::uint32_t>(&light - world_.lights.data());
       job.at_glass = rule_of(caustics_, lamp);
       if (!begin_job(surface, to_light, job)) continue;
+      job.departure = departure_from(hit, job.lanes, to_light.direction);
       // Camera rays of neighbouring pixels mostly meet the same surface.
       shadows_.add(
           job, [&](int lane) { return shadow_ray(hit, to_light, lane); },
@@ -140,7 +142,7 @@ class DirectLight {
 
   // Whether light of a chain that ends in a medium can come to a place in others.
   static bool comes_in(const std::optional<std::uint32_t>& ends_in, const MediumStack& media) {
-    return !ends_in || media.innermost() == ends_in;
+    return !ends_in || media.owner() == ends_in;
   }
 
   // Of a sphere about `center` that holds the places of all lanes.

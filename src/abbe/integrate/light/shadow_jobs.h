@@ -29,6 +29,7 @@ struct ShadowJob {
   std::uint32_t record = 0;       ///< 1 + number of the record it belongs to.
   LaneMask lanes;                 ///< Lanes that any light can reach.
   MediumStack media;
+  Departure departure;  ///< From a surface with something nearby on the side of the light.
   FanOrigin first_turn = FanOrigin::Camera;
   bool spread = false;
   AtGlass at_glass = AtGlass::Passes;

@@ -4,18 +4,17 @@
 #include <cmath>
 
 #include "abbe/caustics/flat/chain.h"
+#include "abbe/integrate/surface/contact.h"
 #include "abbe/integrate/surface/material_sample.h"
 #include "abbe/optics/boundary.h"
 
 namespace abbe {
 namespace {
 
-// A shadow ray that crosses more surfaces than this is taken as blocked.
-constexpr int kMaxCrossings = 64;
-
 /// A straight shadow ray in flight: one lane of a spread job, or all lanes of a united one.
 struct ShadowPath {
   Ray ray;
+  Departure departure;
   MediumStack media;
   LaneMask lanes;
   std::uint32_t visibility = 0;  ///< Offset in ShadowBuffers::data.
@@ -39,7 +38,8 @@ class ShadowTransmittance {
         queries_(queries),
         rule_(rule),
         passing_(world.visibility_bits & passing_bits(rule)),
-        stats_(stats) {
+        stats_(stats),
+        list_(world) {
     // Most rays meet nothing transparent: a packet finds that out for sixteen lanes at once.
     meets_.resize(queries.packets.size());
     if (!meets_.empty() && passing_ != 0) {
@@ -54,17 +54,20 @@ class ShadowTransmittance {
     if (!job.spread) {
       if (queries_.ray_occluded[job.first_query] != 0) return;
       if (job.media.empty() && passing_ == 0) return;
-      in_flight_.push_back({queries_.rays[job.first_query], job.media, job.lanes, visibility, set});
+      in_flight_.push_back(
+          {queries_.rays[job.first_query], job.departure, job.media, job.lanes, visibility, set});
       return;
     }
     for_each_lane(job.lanes, world_.lanes.lane_count(), [&](int lane) {
       const std::size_t packet_index = job.first_query + static_cast<std::size_t>(lane / 16);
       const int i = lane % 16;
       if ((queries_.packet_occluded[packet_index] >> i) & 1u) return;
-      if (job.media.empty() && ((meets_[packet_index] >> i) & 1u) == 0) return;
+      const bool meets = ((meets_[packet_index] >> i) & 1u) != 0;
+      if (job.media.empty() && !meets && !job.departure.is_crowded()) return;
       const RayPacket& packet = queries_.packets[packet_index];
       ShadowPath path;
       path.ray = ray_of(packet, i);
+      path.departure = job.departure;
       path.media = job.media;
       path.lanes.set(lane);
       path.visibility = visibility;
@@ -74,84 +77,103 @@ class ShadowTransmittance {
   }
 
   void run() {
-    for (int crossing = 0; !in_flight_.empty(); ++crossing) {
-      if (crossing == kMaxCrossings) {
-        for (const ShadowPath& path : in_flight_) block(path);
-        return;
-      }
-      rays_.clear();
-      for (const ShadowPath& path : in_flight_) rays_.push_back(path.ray);
-      hits_.resize(rays_.size());
-      world_.accelerator->closest_hits(std::span<const Ray>(rays_), passing_,
-                                       std::span<Hit>(hits_));
-      stats_.shadow_rays += rays_.size();
-      std::size_t kept = 0;
-      for (std::size_t i = 0; i < in_flight_.size(); ++i) {
-        if (advance(in_flight_[i], hits_[i])) in_flight_[kept++] = in_flight_[i];
-      }
-      in_flight_.resize(kept);
-    }
+    // Where something is nearby the start, what is opaque there tells what comes before it.
+    const auto crowded = std::partition(in_flight_.begin(), in_flight_.end(), [](const auto& path) {
+      return !path.departure.is_crowded();
+    });
+    run({in_flight_.begin(), crowded}, passing_);
+    run({crowded, in_flight_.end()}, passing_ | kOpaqueBit);
+    stats_.shadow_rays += in_flight_.size();
   }
 
  private:
+  void run(std::span<ShadowPath> paths, VisibilityMask mask) {
+    if (paths.empty()) return;
+    lines_.clear();
+    for (const ShadowPath& path : paths) {
+      // From where the ray has left its surface.
+      Ray line = path.ray;
+      line.origin -= path.departure.reach_m * line.direction;
+      line.t_max += path.departure.reach_m;
+      lines_.push_back(line);
+    }
+    found_.clear();
+    world_.accelerator->all_hits(std::span<const Ray>(lines_), mask, 0, found_);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      list_.sort(lines_[i], found_[i]);
+      follow(paths[i], lines_[i]);
+    }
+  }
+
   float* visibility(const ShadowPath& path) { return buffers_.data.data() + path.visibility; }
 
-  void block(const ShadowPath& path) {
+  void absorb(const ShadowPath& path, std::optional<std::uint32_t> medium, double distance_m) {
+    if (!medium || !world_.materials[*medium].absorption_per_m) return;
+    const float* absorption = world_.row(*world_.materials[*medium].absorption_per_m, path.set);
+    const auto along_m = static_cast<float>(distance_m);
+    for_each_lane(path.lanes, world_.lanes.lane_count(), [&](int lane) {
+      visibility(path)[lane] *= std::exp(-absorption[lane] * along_m);
+    });
+  }
+
+  // Goes through what the line meets behind the start, up to the light or to darkness.
+  void follow(ShadowPath& path, const Ray& line) {
+    double t = static_cast<double>(path.departure.reach_m);
+    std::size_t next = 0;
+    if (path.departure.is_crowded()) {
+      next = list_.find(t, [&](std::uint32_t surface, std::uint32_t) {
+        return surface == path.departure.surface;
+      });
+      if (next < list_.all().size()) {
+        t = list_.all()[next++].t;
+      } else {
+        for (next = 0; next < list_.all().size() && !(list_.all()[next].last_t > t);) ++next;
+      }
+    }
+    for (; next < list_.all().size(); ++next) {
+      const Interface& met = list_.all()[next];
+      const std::uint32_t number = world_.geometry.surfaces[met.surface].material;
+      const SurfaceMaterial& material = world_.materials[number];
+      const std::span<const MetFace> faces = list_.faces(met);
+      const MediumChange change = cross(path.media, material.transmission, faces);
+      absorb(path, change.arrives_in, met.t - t);
+      if (change.crossing != Crossing::Hidden) {
+        path.flat_crossings += world_.geometry.surfaces[met.surface].ends_light;
+        pass(path, line, met, change);
+      }
+      path.media = change.behind;
+      t = met.t;
+      bool lit = false;
+      for_each_lane(path.lanes, world_.lanes.lane_count(),
+                    [&](int lane) { lit |= visibility(path)[lane] > 0.0f; });
+      if (!lit) return;
+    }
+    absorb(path, path.media.owner(), static_cast<double>(line.t_max) - t);
+    const bool is_on_chains = path.flat_crossings > 0 && path.flat_crossings <= kMaxRefractions;
+    if (rule_ != AtGlass::Counts || !is_on_chains) return;
     for_each_lane(path.lanes, world_.lanes.lane_count(),
                   [&](int lane) { visibility(path)[lane] = 0.0f; });
   }
 
-  void absorb(const ShadowPath& path, std::uint32_t material, float distance_m) {
-    const SurfaceMaterial& medium = world_.materials[material];
-    if (!medium.absorption_per_m) return;
-    const float* absorption = world_.row(*medium.absorption_per_m, path.set);
-    for_each_lane(path.lanes, world_.lanes.lane_count(), [&](int lane) {
-      visibility(path)[lane] *= std::exp(-absorption[lane] * distance_m);
-    });
-  }
-
-  // Goes to the next surface and through it; false when the light, or darkness, is reached.
-  bool advance(ShadowPath& path, const Hit& hit) {
-    const float distance_m = hit.is_hit() ? hit.t : path.ray.t_max;
-    if (!hit.is_hit()) {
-      if (!path.media.empty()) absorb(path, path.media.top(), distance_m);
-      const bool is_on_chains = path.flat_crossings > 0 && path.flat_crossings <= kMaxRefractions;
-      if (rule_ == AtGlass::Counts && is_on_chains) block(path);
-      return false;
-    }
-    const SurfacePoint point = surface_point(world_, path.ray.origin, path.ray.direction, hit);
-    const std::uint32_t number = world_.geometry.surfaces[point.surface].material;
-    const SurfaceMaterial& material = world_.materials[number];
-    const bool front = glm::dot(path.ray.direction, point.normal) < 0.0f;
-    const MediumChange change = cross(path.media, number, material.transmission, front);
-    if (change.arrives_in) absorb(path, *change.arrives_in, distance_m);
-    if (change.crossing != Crossing::Hidden) {
-      path.flat_crossings += world_.geometry.surfaces[point.surface].ends_light;
-      pass(path, material, point, front ? path.media : change.behind);
-    }
-    path.media = change.behind;
-
-    const Vec3f origin = off_surface(point, path.ray.direction);
-    path.ray.t_max -= glm::dot(origin - path.ray.origin, path.ray.direction);
-    path.ray.origin = origin;
-    bool lit = false;
-    for_each_lane(path.lanes, world_.lanes.lane_count(),
-                  [&](int lane) { lit |= visibility(path)[lane] > 0.0f; });
-    return lit && path.ray.t_max > 0.0f;
-  }
-
-  // Loses what the surface does not let through; `outside` are the media before its front.
-  void pass(const ShadowPath& path, const SurfaceMaterial& material, const SurfacePoint& point,
-            const MediumStack& outside) {
+  // Loses what the surface does not let through. What is before its front counts as outside.
+  void pass(const ShadowPath& path, const Ray& line, const Interface& met,
+            const MediumChange& change) {
+    const SurfaceMaterial& material = world_.materials[list_.faces(met).front().material];
+    const SurfacePoint point = surface_point(world_, line.origin, line.direction, met.hit);
     const MaterialSample sample = material_sample(world_, material, point, 0.0f);
     const auto row = [&](RowId id) { return world_.row(id, path.set); };
+    const auto index_of = [&](std::optional<std::uint32_t> medium) {
+      return medium ? row(world_.materials[*medium].index) : nullptr;
+    };
+    const bool enters = change.crossing != Crossing::Leave;
     const float* base_row = row(material.base_color);
-    const float* n_inside = row(material.index);
-    const float* n_outside = outside.empty() ? nullptr : row(world_.materials[outside.top()].index);
+    const float* n_outside = index_of(enters ? change.arrives_in : change.goes_into());
+    const float* n_inside = !change.is_boundary() ? row(material.index)
+                            : enters              ? index_of(change.goes_into())
+                                                  : index_of(change.arrives_in);
     const float* film_n = material.film ? row(material.film->index) : nullptr;
     const float* inverse_wavelength = row(world_.inverse_wavelength);
-    const float cosine =
-        std::min(1.0f, std::abs(glm::dot(path.ray.direction, point.shading_normal)));
+    const float cosine = std::min(1.0f, std::abs(glm::dot(line.direction, point.shading_normal)));
     const float share = (1.0f - sample.metallic) * sample.transmission;
     const bool has_lookup = share > 0.0f && sample.base_color.uses_lookup;
     const Vec3f lookup = has_lookup ? looked_up(world_, sample.base_color) : Vec3f(0.0f);
@@ -160,7 +182,7 @@ class ShadowTransmittance {
       if (share > 0.0f && !material.index_is_infinite) {
         Boundary boundary;
         if (n_outside != nullptr) boundary.n_incident = n_outside[lane];
-        boundary.n = n_inside[lane];
+        if (n_inside != nullptr) boundary.n = n_inside[lane];
         if (film_n != nullptr) {
           boundary.film = {film_n[lane], sample.film_thickness_nm, sample.film_factor};
           boundary.wavelength_nm = 1.0 / inverse_wavelength[lane];
@@ -180,8 +202,9 @@ class ShadowTransmittance {
   IntegratorStats& stats_;
   std::vector<std::uint32_t> meets_;  ///< Per packet, the lanes that meet something transparent.
   std::vector<ShadowPath> in_flight_;
-  std::vector<Ray> rays_;
-  std::vector<Hit> hits_;
+  std::vector<Ray> lines_;
+  HitLists found_;
+  InterfaceList list_;
 };
 
 }  // namespace

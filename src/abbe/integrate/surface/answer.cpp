@@ -11,8 +11,8 @@ BoundaryRows boundary_rows(const World& world, const SurfaceMaterial& material,
   rows.index_is_infinite = material.index_is_infinite;
   rows.n_medium = index_of(change.arrives_in);
   rows.n_incident = rows.n_medium;
-  rows.n_transmitted = change.crossing == Crossing::Leave ? index_of(change.goes_into())
-                                                          : world.row(material.index, set);
+  rows.n_transmitted =
+      change.is_boundary() ? index_of(change.goes_into()) : world.row(material.index, set);
   if (material.is_conductor) {
     rows.conductor_n = world.row(material.conductor_n, set);
     rows.conductor_k = world.row(material.conductor_k, set);

@@ -26,6 +26,8 @@ struct HitLanes {
   LaneArray3 origin, direction;
   LaneArray t, u, v;
   alignas(64) std::uint32_t primitive[kMaxLanes];
+  /// Per lane, the number of what is there besides, or 0; null: nothing anywhere. Aligned as lanes.
+  const std::uint32_t* contact = nullptr;
 };
 
 /// Geometry at the hits; lanes that are not filled keep what they had.

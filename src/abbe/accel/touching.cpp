@@ -1,0 +1,237 @@
+#include "abbe/accel/touching.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace abbe {
+namespace {
+
+bool overlap(const Box3f& a, const Box3f& b) {
+  return glm::all(glm::lessThanEqual(a.low, b.high)) && glm::all(glm::lessThanEqual(b.low, a.high));
+}
+
+float largest(const Box3f& box) {
+  const Vec3f v = glm::max(glm::abs(box.low), glm::abs(box.high));
+  return std::max({v.x, v.y, v.z});
+}
+
+/// Boxes, which have to outlive it, in a tree that is halved at the middle of its longest side.
+class BoxTree {
+ public:
+  void build(std::span<const Box3f> boxes) {
+    boxes_ = boxes;
+    nodes_.clear();
+    order_.resize(boxes.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    if (!boxes_.empty()) build(0, boxes_.size());
+  }
+
+  /// Calls visit(number) for the boxes that overlap one.
+  template <class Visit>
+  void for_each_overlapping(const Box3f& box, const Visit& visit) const {
+    std::array<std::uint32_t, 64> stack;
+    std::size_t depth = 0;
+    if (!nodes_.empty()) stack[depth++] = 0;
+    while (depth > 0) {
+      const Node& node = nodes_[stack[--depth]];
+      if (!overlap(node.bounds, box)) continue;
+      if (node.right == 0) {
+        for (std::size_t i = node.begin; i < node.end; ++i) {
+          if (overlap(boxes_[order_[i]], box)) visit(order_[i]);
+        }
+        continue;
+      }
+      stack[depth++] = node.right;
+      stack[depth++] = static_cast<std::uint32_t>(&node - nodes_.data()) + 1;
+    }
+  }
+
+ private:
+  struct Node {
+    Box3f bounds;
+    std::uint32_t begin = 0, end = 0;
+    std::uint32_t right = 0;  // The left child comes next; a leaf has 0.
+  };
+  static constexpr std::size_t kLeafBoxes = 8;
+
+  std::uint32_t build(std::size_t begin, std::size_t end) {
+    const auto number = static_cast<std::uint32_t>(nodes_.size());
+    Node node;
+    node.begin = static_cast<std::uint32_t>(begin);
+    node.end = static_cast<std::uint32_t>(end);
+    Box3f centers;
+    for (std::size_t i = begin; i < end; ++i) {
+      node.bounds.extend(boxes_[order_[i]]);
+      centers.extend(boxes_[order_[i]].center());
+    }
+    nodes_.push_back(node);
+    if (end - begin <= kLeafBoxes) return number;
+    const Vec3f size = centers.size();
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const std::size_t middle = begin + (end - begin) / 2;
+    const auto at = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(begin), at(middle), at(end), [&](std::uint32_t a, std::uint32_t b) {
+      return boxes_[a].center()[axis] < boxes_[b].center()[axis];
+    });
+    build(begin, middle);
+    nodes_[number].right = build(middle, end);
+    return number;
+  }
+
+  std::span<const Box3f> boxes_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+};
+
+/// Primitives by the bodies that they are part of.
+class Bodies {
+ public:
+  Bodies(const ShapeSpans& shapes, std::span<const std::uint32_t> surface_of,
+         std::span<const std::uint8_t> matters)
+      : shapes_(shapes),
+        body_of_(surface_of.begin(), surface_of.end()),
+        first_that_matters_(static_cast<std::uint32_t>(matters.size())) {
+    join_vertices(surface_of, matters);
+    // Bodies are numbered behind surfaces, which stand for themselves where they do not matter.
+    std::vector<std::uint32_t> number_of(parent_.size(), 0);
+    for (std::size_t i = 0; i < body_of_.size(); ++i) {
+      if (matters[surface_of[i]] == 0) continue;
+      std::uint32_t number = 0;
+      std::uint32_t& of_piece =
+          i < shapes.triangles.size() ? number_of[root_of(shapes.triangles[i][0])] : number;
+      if (of_piece == 0) {
+        of_piece = first_that_matters_ + static_cast<std::uint32_t>(bounds_.size());
+        bounds_.emplace_back();
+      }
+      body_of_[i] = of_piece;
+      bounds_[of_piece - first_that_matters_].extend(bounds_of(i));
+    }
+  }
+
+  Box3f bounds_of(std::size_t primitive) const {
+    Box3f box;
+    if (primitive < shapes_.triangles.size()) {
+      for (const std::uint32_t corner : shapes_.triangles[primitive]) {
+        box.extend(shapes_.positions[corner]);
+      }
+      return box;
+    }
+    primitive -= shapes_.triangles.size();
+    return primitive < shapes_.ellipsoids.size()
+               ? shapes_.ellipsoids[primitive].bounds
+               : shapes_.polyhedra[primitive - shapes_.ellipsoids.size()].bounds;
+  }
+  /// Of the bodies that matter.
+  const std::vector<Box3f>& bounds() const { return bounds_; }
+  bool is_of(std::size_t primitive, std::uint32_t body) const {
+    return body_of_[primitive] == first_that_matters_ + body;
+  }
+  /// The primitives of each body that matters.
+  std::vector<std::vector<std::uint32_t>> primitives() const {
+    std::vector<std::vector<std::uint32_t>> lists(bounds_.size());
+    for (std::size_t i = 0; i < body_of_.size(); ++i) {
+      if (body_of_[i] < first_that_matters_) continue;
+      lists[body_of_[i] - first_that_matters_].push_back(static_cast<std::uint32_t>(i));
+    }
+    return lists;
+  }
+
+ private:
+  std::uint32_t root_of(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+
+  // Joins the vertices of triangles, and those of a surface that have the same position.
+  void join_vertices(std::span<const std::uint32_t> surface_of,
+                     std::span<const std::uint8_t> matters) {
+    parent_.resize(shapes_.positions.size());
+    std::iota(parent_.begin(), parent_.end(), 0u);
+    const std::size_t count = shapes_.triangles.size();
+    std::vector<std::uint32_t> corners;
+    for (std::size_t begin = 0, end = 0; begin < count; begin = end) {
+      for (end = begin; end < count && surface_of[end] == surface_of[begin];) ++end;
+      if (matters[surface_of[begin]] == 0) continue;
+      corners.clear();
+      for (const Triangle& triangle : shapes_.triangles.subspan(begin, end - begin)) {
+        for (const std::uint32_t corner : triangle) {
+          parent_[root_of(corner)] = root_of(triangle[0]);
+        }
+      }
+      for (const Triangle& triangle : shapes_.triangles.subspan(begin, end - begin)) {
+        corners.insert(corners.end(), triangle.begin(), triangle.end());
+      }
+      const auto is_joined = [&](std::uint32_t c) { return root_of(c) == root_of(corners[0]); };
+      if (std::all_of(corners.begin(), corners.end(), is_joined)) continue;
+      const auto place = [&](std::uint32_t corner) {
+        const Vec3f& p = shapes_.positions[corner];
+        return std::tuple(p.x, p.y, p.z);
+      };
+      std::sort(corners.begin(), corners.end(),
+                [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
+      for (std::size_t i = 1; i < corners.size(); ++i) {
+        if (place(corners[i - 1]) != place(corners[i])) continue;
+        parent_[root_of(corners[i])] = root_of(corners[i - 1]);
+      }
+    }
+  }
+
+  const ShapeSpans& shapes_;
+  std::vector<std::uint32_t> body_of_;  ///< Per primitive.
+  std::uint32_t first_that_matters_;
+  std::vector<std::uint32_t> parent_;  ///< Per vertex, of the same piece.
+  std::vector<Box3f> bounds_;
+};
+
+}  // namespace
+
+std::vector<float> find_touching(const ShapeSpans& shapes,
+                                 std::span<const std::uint32_t> primitive_surface,
+                                 std::span<const std::uint8_t> matters, float margin_m) {
+  if (std::none_of(matters.begin(), matters.end(), [](std::uint8_t m) { return m != 0; })) {
+    return {};
+  }
+  const Bodies bodies(shapes, primitive_surface, matters);
+  // Primitives that come near a body that is not theirs, by bodies.
+  std::vector<std::vector<std::uint32_t>> near(bodies.bounds().size());
+  const auto grown = [&](const Box3f& box) {
+    return Box3f{box.low - margin_m, box.high + margin_m};
+  };
+  BoxTree of_bodies;
+  of_bodies.build(bodies.bounds());
+  const std::size_t count = shapes.primitive_count();
+  for (std::size_t i = 0; i < count; ++i) {
+    of_bodies.for_each_overlapping(grown(bodies.bounds_of(i)), [&](std::uint32_t body) {
+      if (!bodies.is_of(i, body)) near[body].push_back(static_cast<std::uint32_t>(i));
+    });
+  }
+  // Of those, the ones that come near a primitive of that body.
+  std::vector<float> touching(count, 0.0f);
+  bool is_any = false;
+  std::vector<Box3f> boxes;
+  BoxTree others;
+  const std::vector<std::vector<std::uint32_t>> own = bodies.primitives();
+  for (std::size_t body = 0; body < near.size(); ++body) {
+    if (near[body].empty()) continue;
+    boxes.clear();
+    for (const std::uint32_t primitive : near[body]) boxes.push_back(bodies.bounds_of(primitive));
+    others.build(boxes);
+    for (const std::uint32_t primitive : own[body]) {
+      others.for_each_overlapping(grown(bodies.bounds_of(primitive)), [&](std::uint32_t number) {
+        const std::uint32_t other = near[body][number];
+        const float size = std::max(largest(bodies.bounds_of(primitive)), largest(boxes[number]));
+        touching[primitive] = std::max(touching[primitive], size);
+        touching[other] = std::max(touching[other], size);
+        is_any = true;
+      });
+    }
+  }
+  if (!is_any) touching.clear();
+  return touching;
+}
+
+}  // namespace abbe

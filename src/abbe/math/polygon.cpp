@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "abbe/base/constants.h"
+
 namespace abbe {
 namespace {
 
@@ -88,6 +90,15 @@ double area_of(const std::vector<Vec3d>& polygon) {
     sum += glm::cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
   }
   return 0.5 * glm::length(sum);
+}
+
+double turns_about_origin(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const double la = glm::length(a);
+  const double lb = glm::length(b);
+  const double lc = glm::length(c);
+  const double rest =
+      la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
+  return std::atan2(glm::dot(a, glm::cross(b, c)), rest) / (2.0 * kPi);
 }
 
 std::vector<Vec3d> convex_hull(const std::vector<Vec3d>& points, const Vec3d& normal) {

@@ -30,6 +30,11 @@ Ball ball_about(const std::vector<Vec3d>& points);
 /// Area of a flat polygon, m².
 double area_of(const std::vector<Vec3d>& polygon);
 
+/// The share of all directions in which the origin sees a triangle, positive where its corners go
+/// round clockwise seen from there: over a closed surface the sum is how often it goes round.
+/// Source: Van Oosterom and Strackee, The solid angle of a plane triangle, 1983.
+double turns_about_origin(const Vec3d& a, const Vec3d& b, const Vec3d& c);
+
 /// The convex hull of points in one plane, counter-clockwise about the normal; points on its edges
 /// are left out.
 std::vector<Vec3d> convex_hull(const std::vector<Vec3d>& points, const Vec3d& normal);

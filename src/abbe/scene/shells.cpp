@@ -6,7 +6,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "abbe/base/constants.h"
+#include "abbe/math/polygon.h"
 #include "abbe/math/ray.h"
 
 namespace abbe {
@@ -110,19 +110,12 @@ class Shells {
   }
 
   // How often a shell goes round a place: ±1 inside, 0 outside, halves on a face.
-  // Source: van Oosterom & Strackee 1983, the solid angle of a plane triangle.
   double turns_about(const Shell& shell, const Vec3d& place) const {
-    double half_angles = 0.0;
+    double turns = 0.0;
     for (const std::uint32_t t : shell.triangles) {
-      const Vec3d a = corner(t, 0) - place;
-      const Vec3d b = corner(t, 1) - place;
-      const Vec3d c = corner(t, 2) - place;
-      const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-      half_angles +=
-          std::atan2(glm::dot(a, glm::cross(b, c)), la * lb * lc + glm::dot(a, b) * lc +
-                                                        glm::dot(b, c) * la + glm::dot(c, a) * lb);
+      turns += turns_about_origin(corner(t, 0) - place, corner(t, 1) - place, corner(t, 2) - place);
     }
-    return half_angles / (2.0 * kPi);
+    return turns;
   }
 
   // By a few places of the inner one: all of them inside, or on faces that both have.

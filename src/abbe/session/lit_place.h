@@ -19,9 +19,7 @@ struct LitCrossing {
   std::string body;           ///< Name of the instance.
   std::uint32_t surface = 0;  ///< Index into World::surfaces.
 
-  bool is_refraction() const {
-    return at.event == ChainEvent::Enter || at.event == ChainEvent::Leave;
-  }
+  bool is_refraction() const { return refracts(at.event); }
 };
 
 /// The path of one wavelength (or channel).

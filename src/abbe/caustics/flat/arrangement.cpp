@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "abbe/base/constants.h"
 #include "abbe/math/polygon.h"
 
 namespace abbe {
@@ -49,23 +48,12 @@ Box box_of(const Polygon& polygon) {
   return box;
 }
 
-// Solid angle of a triangle over 4π, signed. Source: Van Oosterom and Strackee, 1983.
-double winding(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  const double la = glm::length(a);
-  const double lb = glm::length(b);
-  const double lc = glm::length(c);
-  const double volume = glm::dot(a, glm::cross(b, c));
-  const double rest =
-      la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
-  return std::atan2(volume, rest) / (2.0 * kPi);
-}
-
 bool holds(const std::vector<Facet>& facets, const Vec3d& point) {
   double turns = 0.0;
   for (const Facet& facet : facets) {
     for (std::size_t i = 2; i < facet.corners.size(); ++i) {
-      turns +=
-          winding(facet.corners[0] - point, facet.corners[i - 1] - point, facet.corners[i] - point);
+      turns += turns_about_origin(facet.corners[0] - point, facet.corners[i - 1] - point,
+                                  facet.corners[i] - point);
     }
   }
   return turns > 0.5;

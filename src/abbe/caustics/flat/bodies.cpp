@@ -228,10 +228,6 @@ bool is_within(const Box3d& box, const Box3d& other) {
          glm::all(glm::lessThanEqual(box.high, other.high));
 }
 
-bool are_apart(const Box3d& a, const Box3d& b) {
-  return glm::any(glm::lessThan(a.high, b.low)) || glm::any(glm::lessThan(b.high, a.low));
-}
-
 const Material& material_of(const Scene& scene, const Instance& instance) {
   const auto* mesh = std::get_if<std::uint32_t>(&instance.what);
   return scene.materials[mesh != nullptr ? scene.meshes[*mesh].material
@@ -267,6 +263,10 @@ void look_around(const Scene& scene, std::vector<BodyFacets>& bodies, Notes& not
 }
 
 }  // namespace
+
+bool are_apart(const Box3d& a, const Box3d& b) {
+  return glm::any(glm::lessThan(a.high, b.low)) || glm::any(glm::lessThan(b.high, a.low));
+}
 
 FlatBodies find_flat_bodies(const Scene& scene, Notes& notes) {
   FlatBodies found;

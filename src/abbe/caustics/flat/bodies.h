@@ -61,6 +61,9 @@ struct FlatBodies {
 /// the triangles that are tried, 64 times more: light meets them once.
 inline constexpr std::size_t kMaxFacets = 512;
 
+/// Whether two boxes have no place in common.
+bool are_apart(const Box3d& a, const Box3d& b);
+
 /// Finds smooth untextured dielectrics with flat faces (convex shapes, closed meshes) and smooth
 /// mirrors with flat faces; thin films without textures may be on them. Coplanar triangles that
 /// touch become one facet where their union is convex. Meshes whose normals make flat triangles

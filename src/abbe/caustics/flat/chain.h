@@ -15,6 +15,18 @@ namespace abbe {
 /// What happens to light at a facet of a chain.
 enum class ChainEvent : std::uint8_t { Enter, Leave, ReflectInside, ReflectOutside };
 
+/// Whether light comes from the inside of the facet's body, whether it goes on there, and whether
+/// it goes through.
+constexpr bool comes_from_inside(ChainEvent event) {
+  return event == ChainEvent::Leave || event == ChainEvent::ReflectInside;
+}
+constexpr bool goes_on_inside(ChainEvent event) {
+  return event == ChainEvent::Enter || event == ChainEvent::ReflectInside;
+}
+constexpr bool refracts(ChainEvent event) {
+  return event == ChainEvent::Enter || event == ChainEvent::Leave;
+}
+
 /// A facet of a chain.
 struct ChainStep {
   ChainEvent event = ChainEvent::Enter;
@@ -33,13 +45,9 @@ struct ChainStep {
     return goes_on_inside() ? std::optional(material) : outside;
   }
 
-  bool comes_from_inside() const {
-    return event == ChainEvent::Leave || event == ChainEvent::ReflectInside;
-  }
-  bool goes_on_inside() const {
-    return event == ChainEvent::Enter || event == ChainEvent::ReflectInside;
-  }
-  bool refracts() const { return event == ChainEvent::Enter || event == ChainEvent::Leave; }
+  bool comes_from_inside() const { return abbe::comes_from_inside(event); }
+  bool goes_on_inside() const { return abbe::goes_on_inside(event); }
+  bool refracts() const { return abbe::refracts(event); }
 };
 
 /// Step of a chain over a facet; its plane is relative to the world's origin until the chain has

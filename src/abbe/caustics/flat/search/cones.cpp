@@ -155,11 +155,10 @@ class Searcher {
     const PathNode& node = tree_.nodes[number];
     const Facet& plane = plane_of(node.place);
     const FacetMedia media = search_.media_of(plane);
-    const bool from_inside =
-        node.event == ChainEvent::Leave || node.event == ChainEvent::ReflectInside;
+    const bool from_inside = comes_from_inside(node.event);
     BeamCone behind = cone;
     double kept = share;
-    if (node.event == ChainEvent::Enter || node.event == ChainEvent::Leave) {
+    if (refracts(node.event)) {
       IndexRange before = index_of(media.outside);
       IndexRange after = index_of(media.inside);
       if (from_inside) std::swap(before, after);
@@ -180,8 +179,7 @@ class Searcher {
     }
     for (const std::uint32_t child : node.children) {
       const PathNode& next = tree_.nodes[child];
-      const bool inside =
-          next.event == ChainEvent::Leave || next.event == ChainEvent::ReflectInside;
+      const bool inside = comes_from_inside(next.event);
       const double cosine = glm::dot(plane_of(next.place).normal, behind.axis);
       if ((inside ? cosine : -cosine) <= -std::sin(std::min(behind.angle_rad, 0.5 * kPi))) continue;
       if (const auto arrived = arrival(behind, next.place)) arrive(*arrived, child, kept);

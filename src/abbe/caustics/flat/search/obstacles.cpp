@@ -3,14 +3,6 @@
 #include <algorithm>
 
 namespace abbe {
-namespace {
-
-bool are_apart(const Box3d& a, const Box3d& b) {
-  return glm::any(glm::lessThan(a.high, b.low)) || glm::any(glm::lessThan(b.high, a.low));
-}
-
-}  // namespace
-
 Obstacles::Obstacles(const Scene& scene, const FlatBodies& flat) : flat_(flat) {
   for (const Instance& instance : scene.instances) boxes_.push_back(bounds_of(scene, instance));
 }

@@ -80,8 +80,7 @@ class Builder {
       if (search_.lights_places(node.region)) emit(front, node.flux);
       for (const std::uint32_t child : node.children) {
         BundleSet arrived = front;
-        const bool inside = tree_.nodes[child].event == ChainEvent::Leave ||
-                            tree_.nodes[child].event == ChainEvent::ReflectInside;
+        const bool inside = comes_from_inside(tree_.nodes[child].event);
         for (Bundle& bundle : arrived.bundles) {
           if (bundle.polygon.empty()) continue;
           bundle.polygon = next_polygon(bundle, facet, facets_[tree_.nodes[child].place], inside);

@@ -210,8 +210,7 @@ class PathFinder {
     const std::uint32_t known = tree_.child(node, place, event);
     if (known != 0) return known;
     const auto number = static_cast<std::uint32_t>(tree_.nodes.size());
-    const bool refracts = event == ChainEvent::Enter || event == ChainEvent::Leave;
-    const Region region = refracts ? regions_.behind(side) : tree_.nodes[node].region;
+    const Region region = refracts(event) ? regions_.behind(side) : tree_.nodes[node].region;
     tree_.nodes[node].children.push_back(number);
     tree_.nodes.push_back({place, event, region});
     return number;
@@ -252,8 +251,7 @@ class PathFinder {
   void keep(std::uint32_t from, std::uint32_t parent, bool is_main, double started,
             PathTree& kept) const {
     const PathNode& node = tree_.nodes[from];
-    const bool refracts = node.event == ChainEvent::Enter || node.event == ChainEvent::Leave;
-    is_main &= refracts || search_.flat.bodies[body_of(node)].is_mirror;
+    is_main &= refracts(node.event) || search_.flat.bodies[body_of(node)].is_mirror;
     if (node.flux < (is_main ? kLeastMainShare : kLeastShare) * started) {
       kept.cut += node.flux;
       return;

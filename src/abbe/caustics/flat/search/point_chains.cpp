@@ -109,9 +109,7 @@ class Maker {
   // The normal of the last face, to the side that is lit.
   Vec3d lit_normal(const std::vector<FaceEvent>& path) const {
     const Vec3d& normal = chains_.frames[path.back().face].normal;
-    const ChainEvent event = path.back().event;
-    const bool is_outside = event == ChainEvent::Leave || event == ChainEvent::ReflectOutside;
-    return is_outside ? normal : -normal;
+    return goes_on_inside(path.back().event) ? -normal : normal;
   }
 
   void gather(const ConeOnPath& found, Gathered& into) const {

@@ -58,8 +58,7 @@ std::optional<FacetHit> Regions::first_hit(Region region, const Vec3d& origin,
 }
 
 Region Regions::at(const Vec3d& place) const {
-  // The first facet on a line from there tells, unless the line meets an edge: the nearest of a few
-  // lines that agree.
+  // The first facet on a line from there tells: in no likely direction, so that it meets no edge.
   const Vec3d direction = glm::normalize(Vec3d(0.5773, 0.6114, 0.5411));
   FacetHit nearest{{}, std::numeric_limits<double>::infinity()};
   Region result;

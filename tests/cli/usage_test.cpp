@@ -67,6 +67,8 @@ const WrongUsage kWrong[] = {
     {"bands", render_with({"--bands", "400:700"}), "--bands"},
     {"wavelengths", render_with({"--wavelengths", "65"}), "1 to 64"},
     {"aov_unknown", render_with({"--aov", "Z,depth"}), "objectId"},
+    {"aov_twice", render_with({"--aov", "Z,P,Z"}), "--aov: found Z twice"},
+    {"aov_empty", render_with({"--aov", "Z,,P"}), "--aov: found \"\""},
     {"crop_outside", render_with({"--size", "8x8", "--crop", "0,0,9,8"}), "--crop"},
     {"crop_empty", render_with({"--size", "8x8", "--crop", "4,4,4,8"}), "--crop"},
     {"camera", render_with({"--camera", "none"}), "eye"},

@@ -220,5 +220,21 @@ TEST(Film, impossible_size_or_crop_is_a_usage_error) {
   rejects({10, 10}, PixelRect{5, 0, 5, 5}, "crop");
 }
 
+TEST(Film, impossible_channels_are_a_usage_error_that_names_them) {
+  const auto rejects = [](const FilmOptions& options, const char* field) {
+    try {
+      const Film film(options);
+      ADD_FAILURE() << "no error for " << field;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.detail().kind, ErrorKind::Usage);
+      EXPECT_EQ(error.detail().where, field);
+    }
+  };
+  rejects({.full_size = {4, 4}, .bands = BandOptions{400.0, 700.0, 0.0}}, "bands");
+  rejects({.full_size = {4, 4}, .bands = BandOptions{}, .lines_nm = {500.0}}, "lines_nm");
+  rejects({.full_size = {4, 4}, .aovs = {aov_channel("Z"), aov_channel("Z")}}, "aovs");
+  rejects({.full_size = {4, 4}, .aovs = {aov_channel("G")}}, "aovs");
+}
+
 }  // namespace
 }  // namespace abbe

@@ -95,7 +95,7 @@ TwoWays xyz_two_ways(const Image& image, int x, int y, const BandOptions& bands)
   TwoWays result;
   result.from_rgb =
       development.rec709_to_xyz * Vec3d(image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2));
-  for (int band = 0; band < bands.count; ++band) {
+  for (int band = 0; band < bands.count(); ++band) {
     const double nm = bands.center_nm(band);
     const double radiance = image.at(x, y, 3 + static_cast<std::size_t>(band));
     result.from_bands +=
@@ -134,14 +134,14 @@ TEST(ColorNumbers, bands_are_the_means_of_the_light_over_them) {
     lamp = lamp.scaled(1.0 / xyz_of(lamp, observer).y);
     double largest = 0.0;
     std::vector<double> means;
-    for (int band = 0; band < settings.bands->count; ++band) {
+    for (int band = 0; band < settings.bands->count(); ++band) {
       const double low_nm = settings.bands->low_nm(band);
       const Spectrum box = Spectrum::tabulated({low_nm, low_nm + settings.bands->step_nm},
                                                {1.0, 1.0}, OutsideTable::Zero);
       means.push_back(integral(product(reflectance, lamp), box) / settings.bands->step_nm);
       largest = std::max(largest, means.back());
     }
-    for (int band = 0; band < settings.bands->count; ++band) {
+    for (int band = 0; band < settings.bands->count(); ++band) {
       // 256 wavelengths stand for the light, up to 8 nm apart at the dark ends of the spectrum.
       EXPECT_NEAR(image.at(2, 1, 3 + static_cast<std::size_t>(band)),
                   means[static_cast<std::size_t>(band)], 3e-3 * largest)
@@ -158,7 +158,7 @@ TEST(ColorNumbers, bands_without_a_wavelength_of_their_own_follow_their_neighbou
   const Observer observer = test::catalogue().observer();
   Spectrum lamp = test::catalogue().illuminant("illuminant/A");
   lamp = lamp.scaled(1.0 / xyz_of(lamp, observer).y);
-  for (int band = 0; band < settings.bands->count; ++band) {
+  for (int band = 0; band < settings.bands->count(); ++band) {
     const double nm = settings.bands->center_nm(band);
     // 16 wavelengths for 130 bands: a chord over 20 nm of a curve that grows by 2.5 % a nm in the
     // violet errs by up to 20²/8 · 0.025² = 3 %.

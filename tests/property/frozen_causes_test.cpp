@@ -114,7 +114,7 @@ TEST(FrozenCauses, bands_of_a_frozen_render_make_its_colour) {
   const Image image = test::render(scene, settings).image;
   const Observer& observer = test::catalogue().observer();
   double luminance = 0.0;
-  for (int band = 0; band < settings.bands->count; ++band) {
+  for (int band = 0; band < settings.bands->count(); ++band) {
     const double nm = settings.bands->center_nm(band);
     luminance += 683.002 * 5.0 * observer.y_bar.value(nm) *
                  static_cast<double>(test::pixel(image, 20, 18, spectral_channel_name(nm)));

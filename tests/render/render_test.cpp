@@ -160,6 +160,60 @@ TEST(RenderTest, film_that_is_kept_is_added_to) {
   EXPECT_EQ(rgb_of(), once);  // Sums in double precision: twice the same is no other mean.
 }
 
+TEST(RenderTest, what_was_made_for_other_settings_is_a_usage_error_that_says_what_differs) {
+  const Scene scene = glass_over_floor();
+  const RenderSettings made = test::small_settings();
+  const LitWorld world = test::make_world(scene, made);
+  const auto rejects = [&](const char* part, const auto& change_settings, bool is_film = false) {
+    RenderSettings settings = made;
+    change_settings(settings);
+    Film film(film_options(is_film ? made : settings));
+    try {
+      (void)render(world, scene.cameras.front(), settings, film);
+      ADD_FAILURE() << "no error for " << part;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.detail().kind, ErrorKind::Usage);
+      EXPECT_EQ(error.detail().where, part) << error.what();
+    }
+  };
+  rejects("world.mode", [](RenderSettings& s) { s.mode = Mode::Rgb; });
+  rejects("world.wavelengths", [](RenderSettings& s) { s.wavelengths.count = 64; });
+  rejects("world.wavelengths", [](RenderSettings& s) { s.wavelengths.exact_nm = {500.0}; });
+  rejects("world.uplift", [](RenderSettings& s) { s.uplift = Uplift::MallettYuksel; });
+  rejects("world.frozen", [](RenderSettings& s) { s.frozen = CauseSet::all(); });
+  rejects("world.caustics", [](RenderSettings& s) { s.caustics = false; });
+  rejects("samples_per_pixel", [](RenderSettings& s) { s.samples_per_pixel = -1; });
+  const bool is_film = true;
+  rejects(
+      "film.crop",
+      [](RenderSettings& s) {
+        s.size = {9, 8};
+      },
+      is_film);
+  rejects(
+      "film.crop",
+      [](RenderSettings& s) {
+        s.crop = PixelRect{1, 1, 3, 3};
+      },
+      is_film);
+  rejects(
+      "film.channels", [](RenderSettings& s) { s.bands = BandOptions{}; }, is_film);
+  rejects(
+      "film.channels", [](RenderSettings& s) { s.aovs = {"Z"}; }, is_film);
+  rejects(
+      "film.weight_magnitude", [](RenderSettings& s) { s.filter = "mitchell"; }, is_film);
+  Camera camera = scene.cameras.front();
+  camera.to_world[3].x = std::nan("");
+  Film film(film_options(made));
+  EXPECT_THROW((void)render(world, camera, made, film), Error);
+}
+
+TEST(RenderTest, scene_of_a_program_is_checked_where_its_world_is_made) {
+  Scene scene = glass_over_floor();
+  scene.meshes.front().triangles.front()[1] = 1'000'000;
+  EXPECT_THROW((void)test::make_world(scene, test::small_settings()), Error);
+}
+
 TEST(RenderTest, bands_hold_the_mean_spectral_radiance_of_the_lamp) {
   RenderSettings settings = test::small_settings();
   settings.samples_per_pixel = 16;
@@ -307,7 +361,7 @@ TEST(RenderTest, spectral_albedo_is_the_reflectance_of_what_is_seen) {
   settings.bands = parse_bands("420:680:20");
   settings.aovs = {"spectralAlbedo"};
   const Image image = test::render(scene, settings).image;
-  for (int band = 0; band < settings.bands->count; ++band) {
+  for (int band = 0; band < settings.bands->count(); ++band) {
     const double nm = settings.bands->center_nm(band);
     if (std::abs(nm - 550.0) < 20.0) continue;  // The mean over the bend is below its peak.
     // Linear over the band: its mean is the value in the middle; floats.

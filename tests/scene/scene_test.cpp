@@ -165,6 +165,31 @@ TEST(validate, each_broken_promise_is_named_with_its_element) {
   scene = triangle_scene();
   scene.cameras.emplace_back().projection = OrthographicCamera{0.0, 1.0};
   EXPECT_NE(message(scene).find("cameras[0]"), std::string::npos);
+  scene = triangle_scene();
+  scene.meshes[0].positions[1].y = std::nanf("");
+  EXPECT_NE(message(scene).find("vertex"), std::string::npos);
+  scene = triangle_scene();
+  scene.meshes[0].uv[0].assign(3, Vec2f(std::nanf("")));
+  EXPECT_NE(message(scene).find("attribute"), std::string::npos);
+  scene = triangle_scene();
+  scene.instances[0].what = 77u;
+  EXPECT_NE(message(scene).find("mesh"), std::string::npos);
+  scene = triangle_scene();
+  scene.instances[0].to_world[1] = Vec4d(0.0);
+  EXPECT_NE(message(scene).find("flattens"), std::string::npos);
+  scene = triangle_scene();
+  scene.instances[0].what = Shape{"open", ConvexShape{{Vec4d(1.0, 0.0, 0.0, 1.0)}}, 0};
+  EXPECT_NE(message(scene).find("open"), std::string::npos);
+}
+
+TEST(validate, camera_alone_is_checked_like_those_of_a_scene) {
+  Camera camera;
+  EXPECT_NO_THROW(validate(camera, "camera"));
+  camera.projection = PerspectiveCamera{std::nan("")};
+  EXPECT_THROW(validate(camera, "camera"), Error);
+  camera = {};
+  camera.to_world[0] = Vec4d(0.0);
+  EXPECT_THROW(validate(camera, "camera"), Error);
 }
 
 }  // namespace

@@ -154,3 +154,25 @@ TEST(Picture, error_of_a_setting_names_its_field) {
 
 }  // namespace
 }  // namespace abbe
+TEST(Picture, of_a_camera_that_is_none_is_a_usage_error) {
+  const Standards standards = read_standards(test::catalogue());
+  Notes notes;
+  const RenderSettings settings;
+  EXPECT_THROW((void)render_picture(PreparedScene(), settings, standards, notes), Error);
+  PreparedScene scene = prepared();
+  scene.camera = 1;
+  EXPECT_THROW((void)render_picture(scene, settings, standards, notes), Error);
+}
+
+  rejects("bands", [](RenderSettings& settings) {
+    settings.bands = BandOptions{400.0, 700.0, 0.0};
+  });
+  rejects("mode", [](RenderSettings& settings) { settings.mode = static_cast<Mode>(7); });
+  rejects("uplift", [](RenderSettings& settings) { settings.uplift = static_cast<Uplift>(2); });
+  rejects("cluster_lanes", [](RenderSettings& settings) { settings.cluster_lanes = -1; });
+  rejects("aovs", [](RenderSettings& settings) { settings.aovs = {"Z", "P", "Z"}; });
+  rejects("wavelengths.exact_nm", [](RenderSettings& settings) {
+    settings.wavelengths.exact_nm = {500.0, 500.0000001};  // One name of a channel.
+  });
+  rejects("crop", [](RenderSettings& settings) { settings.crop = PixelRect{0, 0, 961, 1}; });
+  rejects("size", [](RenderSettings& settings) { settings.size = {65536, 65536}; });

@@ -26,6 +26,10 @@ std::optional<int> whole_number_of(std::string_view text) {
   return all_of<int>(text);
 }
 
+std::optional<std::uint32_t> whole_u32_of(std::string_view text) {
+  return all_of<std::uint32_t>(text);
+}
+
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts;
   std::size_t begin = 0;
@@ -41,6 +45,10 @@ std::string lower_case(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return lower;
+}
+
+std::string in_quotes(std::string_view text) {
+  return '"' + std::string(text) + '"';
 }
 
 std::string printable(std::string text) {

@@ -11,11 +11,13 @@ namespace abbe {
 /// accelerator.
 struct LitWorld : World {
   FlatCaustics caustics;
+  WorldOptions options;  ///< What it was made for.
+  CausticOptions caustic_options;
   double build_seconds = 0.0;
 };
 
 /// Tabulates, flattens, finds caustics and builds the accelerator.
-/// Errors: those of LaneModel, tabulate_materials and flatten.
+/// Errors: those of validate, LaneModel, tabulate_materials and flatten.
 LitWorld make_lit_world(const Scene& scene, const WorldOptions& options,
                         const CausticOptions& caustics, const Observer& observer,
                         const Spectrum& d65, Notes& notes);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "abbe/base/error.h"
 #include "abbe/base/parallel.h"
@@ -23,7 +24,17 @@ std::string text_of(const PixelRect& rect) {
          "," + std::to_string(rect.y1);
 }
 
-PixelRect checked_crop(const FilmOptions& options) {
+std::vector<std::string> channel_names(const FilmOptions& options) {
+  std::vector<std::string> names{"R", "G", "B"};
+  for (int band = 0; options.bands && band < options.bands->count(); ++band) {
+    names.push_back(spectral_channel_name(options.bands->center_nm(band)));
+  }
+  for (const double nm : options.lines_nm) names.push_back(spectral_channel_name(nm));
+  for (const AovChannel& aov : options.aovs) names.push_back(aov.name);
+  return names;
+}
+
+void check_crop(const FilmOptions& options) {
   const Vec2i& size = options.full_size;
   if (size.x < 1 || size.y < 1 || size.x > kLongestSide_px || size.y > kLongestSide_px) {
     throw_usage_error("size", text_of(size), "1x1 to 65536x65536 pixels");
@@ -38,7 +49,12 @@ PixelRect checked_crop(const FilmOptions& options) {
     throw_usage_error("size", text_of(Vec2i{crop.width(), crop.height()}),
                       "at most 2^28 pixels; `crop` renders a part");
   }
-  return crop;
+}
+
+// The options, checked before anything is made of them.
+const FilmOptions& checked(const FilmOptions& options) {
+  check_film(options);
+  return options;
 }
 
 }  // namespace
@@ -52,10 +68,24 @@ AovChannel aov_channel(const std::string& name) {
   return {name, is_mean ? AovRule::Mean : AovRule::First};
 }
 
+void check_film(const FilmOptions& options) {
+  check_crop(options);
+  if (options.bands) check_bands(*options.bands);
+  if (options.bands && !options.lines_nm.empty()) {
+    throw_usage_error("lines_nm", "`bands` beside it", "one of the two");
+  }
+  std::set<std::string> names;
+  for (const std::string& name : channel_names(options)) {
+    if (!names.insert(name).second) {
+      throw_usage_error("aovs", "the channel " + name + " twice", "each channel once");
+    }
+  }
+}
+
 Film::Film(const FilmOptions& options)
-    : options_(options),
-      crop_(checked_crop(options)),
-      spectral_count_(options.bands ? static_cast<std::size_t>(options.bands->count)
+    : options_(checked(options)),
+      crop_(options.crop.value_or(PixelRect{0, 0, options.full_size.x, options.full_size.y})),
+      spectral_count_(options.bands ? static_cast<std::size_t>(options.bands->count())
                                     : options.lines_nm.size()),
       extra_count_(spectral_count_ + options.aovs.size()) {
   const auto pixels =
@@ -154,12 +184,7 @@ Image Film::develop(const FilmDevelopment& development) const {
   image.height = crop_.height();
   image.data_origin = {crop_.x0, crop_.y0};
   image.full_size = options_.full_size;
-  image.channels = {"R", "G", "B"};
-  for (std::size_t i = 0; i < spectral_count_; ++i) {
-    image.channels.push_back(spectral_channel_name(
-        options_.bands ? options_.bands->center_nm(static_cast<int>(i)) : options_.lines_nm[i]));
-  }
-  for (const AovChannel& aov : options_.aovs) image.channels.push_back(aov.name);
+  image.channels = channel_names(options_);
 
   image.attributes = development.attributes;
   if (spectral_count_ > 0) {

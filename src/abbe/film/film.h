@@ -39,6 +39,7 @@ struct PixelRect {
 
   int width() const { return x1 - x0; }
   int height() const { return y1 - y0; }
+  bool operator==(const PixelRect&) const = default;
   bool contains(const Vec2i& pixel) const {
     return pixel.x >= x0 && pixel.x < x1 && pixel.y >= y0 && pixel.y < y1;
   }
@@ -54,6 +55,10 @@ struct FilmOptions {
   std::vector<AovChannel> aovs = {};
   float weight_magnitude = 1.0f;  ///< Filter::weight_magnitude() of the filter used.
 };
+
+/// Errors: a usage Error for an empty or too large size, a crop that is empty or leaves it, as
+///         check_bands, and for channels of the same name.
+void check_film(const FilmOptions& options);
 
 /// How a film becomes an image.
 struct FilmDevelopment {
@@ -72,7 +77,7 @@ struct FilmDevelopment {
 /// missing shows the mean of the other.
 class Film {
  public:
-  /// Errors: a usage Error for an empty or too large size, or a crop that is empty or leaves it.
+  /// Errors: as check_film.
   explicit Film(const FilmOptions& options);
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
@@ -89,8 +94,8 @@ class Film {
   /// without samples are 0.
   Image develop(const FilmDevelopment& development) const;
 
+  const FilmOptions& options() const { return options_; }
   const PixelRect& crop() const { return crop_; }
-  const Vec2i& full_size() const { return options_.full_size; }
   std::size_t sample_count(const Vec2i& pixel) const;
   std::size_t dropped_sample_count() const { return dropped_.load(std::memory_order_relaxed); }
   std::size_t bytes() const;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "abbe/base/error.h"
+#include "abbe/base/text.h"
 
 namespace abbe {
 namespace {
@@ -33,7 +34,7 @@ Filter Filter::named(const std::string& name) {
   if (name == "triangle") return {Kind::Tent, name, 1.0};
   if (name == "gaussian") return {Kind::Gaussian, name, 1.5};
   if (name == "mitchell") return {Kind::Mitchell, name, 2.0};
-  throw_usage_error("filter", "'" + name + "'", "the name of a filter", filter_names());
+  throw_usage_error("filter", in_quotes(name), "the name of a filter", filter_names());
 }
 
 std::vector<std::string> filter_names() {

@@ -49,8 +49,8 @@ BandWeights::BandWeights(const WavelengthQuadrature& quadrature, const BandOptio
   // Adds `share(low, high)`, an integral, of a node to all bands that [from, to] meets.
   const auto add = [&](const Node& node, double from, double to, const auto& share) {
     from = std::max(from, bands.low_nm(0));
-    to = std::min(to, bands.low_nm(bands.count));
-    for (int band = bands.index_of(from).value_or(bands.count); band < bands.count; ++band) {
+    to = std::min(to, bands.low_nm(bands.count()));
+    for (int band = bands.index_of(from).value_or(bands.count()); band < bands.count(); ++band) {
       const double low = std::max(from, bands.low_nm(band));
       const double high = std::min(to, bands.low_nm(band + 1));
       if (!(low < high)) break;

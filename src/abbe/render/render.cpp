@@ -13,6 +13,8 @@
 #include "abbe/film/filter.h"
 #include "abbe/image/exr/exr.h"
 #include "abbe/math/random.h"
+#include "abbe/math/sampling.h"
+#include "abbe/render/agreement.h"
 #include "abbe/render/band_weights.h"
 #include "abbe/render/camera_rays.h"
 
@@ -88,7 +90,7 @@ std::vector<std::string> aov_channel_names(const std::string& group,
       names.push_back(reflective_channel_name(nm));
     }
     if (!settings.bands || !names.empty()) return names;
-    for (int band = 0; band < settings.bands->count; ++band) {
+    for (int band = 0; band < settings.bands->count(); ++band) {
       names.push_back(reflective_channel_name(settings.bands->center_nm(band)));
     }
     return names;
@@ -288,7 +290,7 @@ class Renderer {
       return;
     }
     if (!settings_.bands) return;
-    bands.resize(static_cast<std::size_t>(settings_.bands->count));
+    bands.resize(static_cast<std::size_t>(settings_.bands->count()));
     band_weights_->apply(set, lanes, bands);
   }
 
@@ -357,3 +359,4 @@ CameraSample camera_sample(const World& world, const Camera& camera, const Rende
 }
 
 }  // namespace abbe
+  check_agreement(world, camera, settings, film);

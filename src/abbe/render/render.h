@@ -31,8 +31,7 @@ FilmOptions film_options(const RenderSettings& settings);
 /// number of threads; a crop has the same pixels as the whole image. A cancelled render leaves it
 /// with what came until then. Samples are numbered from 0: the same render once more adds the same
 /// samples again. `world.lanes.film_to_rec709()` develops it.
-/// Domain: check_settings(settings) passes; `world` was made for the same mode and wavelengths, and
-///         `film` by film_options of the same settings.
+/// Errors: as check_agreement, before anything is rendered.
 RenderResult render(const LitWorld& world, const Camera& camera, const RenderSettings& settings,
                     Film& film, const ProgressCallback& progress = {},
                     const CancelFlag* cancel = nullptr);

@@ -9,6 +9,8 @@
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
 #include "abbe/film/filter.h"
+#include "abbe/image/exr/exr.h"
+#include "abbe/render/render.h"
 
 namespace abbe {
 namespace {
@@ -36,11 +38,13 @@ void check_wavelengths(const RenderSettings& settings) {
   }
   for (std::size_t i = 0; i < options.exact_nm.size(); ++i) {
     check_range("wavelengths.exact_nm", options.exact_nm[i], kRangeMin_nm, kRangeMax_nm);
-    if (i > 0 && !(options.exact_nm[i] > options.exact_nm[i - 1])) {
-      throw_usage_error(
-          "wavelengths.exact_nm",
-          fmt::format("{:g} after {:g}", options.exact_nm[i], options.exact_nm[i - 1]),
-          "wavelengths in rising order, each once");
+    if (i == 0) continue;
+    const double last_nm = options.exact_nm[i - 1];
+    if (!(options.exact_nm[i] > last_nm) ||
+        spectral_channel_name(options.exact_nm[i]) == spectral_channel_name(last_nm)) {
+      throw_usage_error("wavelengths.exact_nm",
+                        fmt::format("{} after {}", options.exact_nm[i], last_nm),
+                        "wavelengths in rising order, each once to six decimals");
     }
   }
   if (!options.exact_nm.empty() && settings.bands) {
@@ -90,13 +94,13 @@ CausticOptions caustic_options(const RenderSettings& settings) {
 }
 
 void check_settings(const RenderSettings& settings) {
-  check_range("size", settings.size.x, 1, 65536);
-  check_range("size", settings.size.y, 1, 65536);
+  check_world_options(world_options(settings));
   check_range("samples_per_pixel", settings.samples_per_pixel, 1, 1 << 20);
   check_range("max_depth", settings.max_depth, 0, 1000);
   check_range("cutoff", settings.cutoff, 0.0, 1.0);
   check_range("inner_reflections", settings.inner_reflections, 0, 20);
   check_range("threads", settings.threads, 0, 4096);
+  check_range("cluster_lanes", settings.cluster_lanes, 0, kMaxLanes);
   check_wavelengths(settings);
   (void)Filter::named(settings.filter);
   check_choice("accelerator", settings.accelerator, "an accelerator", accelerator_names());
@@ -108,15 +112,12 @@ void check_settings(const RenderSettings& settings) {
                         "`bands` or `wavelengths.exact_nm`, which say of what wavelengths");
     }
   }
-  if (settings.crop) {
-    const PixelRect& crop = *settings.crop;
-    if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > settings.size.x || crop.y1 > settings.size.y ||
-        crop.x0 >= crop.x1 || crop.y0 >= crop.y1) {
-      throw_usage_error(
-          "crop", fmt::format("{},{},{},{}", crop.x0, crop.y0, crop.x1, crop.y1),
-          fmt::format("X0,Y0,X1,Y1, half-open, inside {}x{}", settings.size.x, settings.size.y));
+  for (auto aov = settings.aovs.begin(); aov != settings.aovs.end(); ++aov) {
+    if (std::find(settings.aovs.begin(), aov, *aov) != aov) {
+      throw_usage_error("aovs", *aov + " twice", "each group of channels once");
     }
   }
+  check_film(film_options(settings));
 }
 
 Vec2i default_size(const Camera& camera) {

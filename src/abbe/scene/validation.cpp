@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
+#include "abbe/scene/convex.h"
 
 namespace abbe {
 namespace {
@@ -20,13 +22,28 @@ bool is_amount(double x) {
   return x >= 0.0 && std::isfinite(x);
 }
 
-bool is_finite(const Mat4d& m) {
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 4; ++row) {
-      if (!std::isfinite(m[column][row])) return false;
-    }
+template <typename V>
+bool is_finite(const V& v) {
+  for (int i = 0; i < V::length(); ++i) {
+    if (!std::isfinite(v[i])) return false;
   }
   return true;
+}
+
+bool is_finite(const Mat4d& m) {
+  return is_finite(m[0]) && is_finite(m[1]) && is_finite(m[2]) && is_finite(m[3]);
+}
+
+template <typename V>
+bool are_finite(const std::vector<V>& values) {
+  return std::all_of(values.begin(), values.end(), [](const V& v) { return is_finite(v); });
+}
+
+// Whether it keeps volumes: no axis is 0, no two are one.
+bool is_invertible(const Mat4d& m) {
+  const Mat3d linear(m);
+  const double volume = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
+  return std::abs(glm::determinant(linear)) > 1e-12 * volume;
 }
 
 class Validator {
@@ -86,6 +103,10 @@ class Validator {
       require((*use)->texture < scene_.textures.size(), "a texture out of range",
               "an index into textures");
       require((*use)->uv_set < 2, "a third UV set", "0 or 1");
+      require(is_finite((*use)->uv_offset) &&
+                  std::all_of((*use)->uv_linear.begin(), (*use)->uv_linear.end(),
+                              [](float x) { return std::isfinite(x); }),
+              "a texture transform that is not finite", "a finite one");
     }
     for (int c = 0; c < 4; ++c) {
       require(is_unit(m.base_color_rec709[c]), "a base colour outside its range", "0 to 1");
@@ -130,14 +151,15 @@ class Validator {
       require(triangle[0] < n && triangle[1] < n && triangle[2] < n, "a vertex out of range",
               "an index into positions");
     }
-    for (const Vec3f& p : m.positions) {
-      require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z),
-              "a vertex that is not finite", "finite vertices");
-    }
+    require(are_finite(m.positions), "a vertex that is not finite", "finite vertices");
+    require(are_finite(m.normals) && are_finite(m.tangents) && are_finite(m.uv[0]) &&
+                are_finite(m.uv[1]) && are_finite(m.colors_rec709),
+            "an attribute that is not finite", "finite attributes");
   }
 
   void check(const Instance& instance) const {
     require(is_finite(instance.to_world), "a transform that is not finite", "a finite one");
+    require(is_invertible(instance.to_world), "a transform that flattens it", "one with a volume");
     if (const auto* mesh = std::get_if<std::uint32_t>(&instance.what)) {
       require(*mesh < scene_.meshes.size(), "a mesh out of range", "an index into meshes");
       return;
@@ -147,7 +169,11 @@ class Validator {
             "an index into materials");
     if (const auto* sphere = std::get_if<SphereShape>(&shape.geometry)) {
       require(is_positive(sphere->radius_m), "a radius of 0 or less", "above 0");
+      return;
     }
+    const auto& body = std::get<ConvexShape>(shape.geometry);
+    require(are_finite(body.planes) && is_bounded(body), "planes that leave the body open",
+            "finite planes all around it");
   }
 
   void check(const Light& light) const {
@@ -171,7 +197,8 @@ class Validator {
               "a half width or height of 0 or less", "above 0");
     }
     require(is_positive(camera.aspect_ratio), "an aspect ratio of 0 or less", "above 0");
-    require(is_finite(camera.to_world), "a transform that is not finite", "a finite one");
+    require(is_finite(camera.to_world) && is_invertible(camera.to_world),
+            "a transform that is not finite or flattens", "a finite one with a volume");
   }
 
   const Scene& scene_;
@@ -184,6 +211,12 @@ class Validator {
 
 void validate(const Scene& scene, const std::string& where) {
   Validator(scene, where).run();
+}
+
+void validate(const Camera& camera, const std::string& where) {
+  Scene scene;
+  scene.cameras = {camera};
+  validate(scene, where);
 }
 
 }  // namespace abbe

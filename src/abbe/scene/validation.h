@@ -11,5 +11,7 @@ namespace abbe {
 /// domains. Loaders report mistakes of a file more closely; this catches scenes made otherwise.
 /// Errors: input Error at `where` and the element, e.g. `box.gltf: materials[2]`.
 void validate(const Scene& scene, const std::string& where);
+/// The same of a camera alone.
+void validate(const Camera& camera, const std::string& where);
 
 }  // namespace abbe

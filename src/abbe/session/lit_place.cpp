@@ -60,7 +60,7 @@ std::uint32_t light_named(const LitWorld& world, const std::string& name) {
     }
     names.push_back(lamp_name(world, i));
   }
-  throw_usage_error("light", printable(name), "a lamp of the scene", names);
+  throw_usage_error("light", in_quotes(name), "a lamp of the scene", names);
 }
 
 std::optional<LitPlace> lit_place(std::span<const ProbeNode> nodes, const LitWorld& world,

@@ -7,6 +7,7 @@ namespace abbe {
 LitWorld make_lit_world(const PreparedScene& prepared, const RenderSettings& settings,
                         const Standards& standards, Notes& notes,
                         const DevelopmentOptions& development) {
+  check_settings(settings);
   WorldOptions options = world_options(settings);
   options.development = development;
   return make_lit_world(prepared.scene, options, caustic_options(settings), standards.observer,

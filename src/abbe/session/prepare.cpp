@@ -54,9 +54,26 @@ NamedSpectrum lamp_of(const std::string& id_or_tail, const Catalogue& catalogue)
 }  // namespace
 
 std::string PreparedScene::camera_name() const {
+const Camera& PreparedScene::chosen_camera() const {
+  if (camera >= scene.cameras.size()) {
+    throw_usage_error("camera", fmt::format("number {}", camera),
+                      fmt::format("one of the scene's {} cameras, from 0", scene.cameras.size()));
+  }
+  return scene.cameras[camera];
+}
+
   if (has_default_camera) return "default";
   const std::string& name = chosen_camera().name;
-  return name.empty() ? std::to_string(camera) : name;
+  if (has_default_camera) return "default";
+  const auto count_of = [this](const std::string& text) {
+    return std::count_if(scene.cameras.begin(), scene.cameras.end(),
+                         [&text](const Camera& other) { return other.name == text; });
+  };
+  // "default" is none of the scene's, and # begins a number.
+  const bool is_own = !name.empty() && name != "default" && name.front() != '#';
+  if (is_own && count_of(name) == 1) return name;
+  const std::string number = std::to_string(camera);
+  return (count_of(number) > 0 ? "#" : "") + number;
 }
 
 PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogue, Notes& notes) {

@@ -29,8 +29,10 @@ struct PreparedScene {
   bool has_default_lights = false;
   bool has_default_camera = false;
 
-  const Camera& chosen_camera() const { return scene.cameras[camera]; }
-  /// Its name; its number where it has none; "default" where the scene has none.
+  /// Errors: a usage Error where `camera` is none of the scene's.
+  const Camera& chosen_camera() const;
+  /// By what SceneChoice::camera finds it: its name; its number where it has none of its own;
+  /// "default" where the scene has no camera.
   std::string camera_name() const;
 };
 

@@ -164,10 +164,6 @@ std::string lines_text(const WavelengthOptions& wavelengths) {
   return fmt::format("{}", fmt::join(wavelengths.exact_nm, ","));
 }
 
-std::string bands_text(const BandOptions& bands) {
-  return fmt::format("{}:{}:{}", bands.begin_nm, bands.end_nm, bands.step_nm);
-}
-
 std::optional<Recipe> recipe_of(const ExrHeader& header) {
   const auto& attributes = header.attributes;
   if (!attributes.contains("abbe:version") || !attributes.contains("abbe:mode") ||

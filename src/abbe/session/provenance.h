@@ -42,9 +42,8 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
 /// Names of the numbers in the channels objectId and materialId, of those that the image has.
 std::vector<IdNames> id_names(const Scene& scene, const Image& image);
 
-/// Settings as their attributes have them: `360:830`, `486.13,587.56`, `400:700:10`.
+/// Settings as their attributes have them: `360:830`, `486.13,587.56`.
 std::string range_text(const WavelengthOptions& wavelengths);
 std::string lines_text(const WavelengthOptions& wavelengths);
-std::string bands_text(const BandOptions& bands);
 
 }  // namespace abbe

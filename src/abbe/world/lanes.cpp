@@ -46,6 +46,16 @@ std::string mode_name(Mode mode) {
   return kModeNames[static_cast<std::size_t>(mode)];
 }
 
+void check_world_options(const WorldOptions& options) {
+  const auto require = [](const char* field, auto value, auto last) {
+    if (value >= decltype(value){} && value <= last) return;
+    throw_usage_error(field, fmt::format("{}", static_cast<int>(value)),
+                      fmt::format("0 to {}", static_cast<int>(last)));
+  };
+  require("mode", options.mode, Mode::Rgb3);
+  require("uplift", options.uplift, Uplift::MallettYuksel);
+}
+
 LaneModel::LaneModel(const WorldOptions& options, const Observer& observer, const Spectrum& d65,
                      std::span<const Spectrum> lamps)
     : mode_(options.mode),
@@ -54,6 +64,7 @@ LaneModel::LaneModel(const WorldOptions& options, const Observer& observer, cons
       observer_(observer),
       film_observer_(options.development.observer.value_or(observer)),
       film_to_rec709_(responses_to_rec709(options.development, observer, d65)) {
+  check_world_options(options);
   const DevelopmentOptions& development = options.development;
   DevelopmentOptions of_d65 = development;
   of_d65.white.reset();

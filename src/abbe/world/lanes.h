@@ -39,6 +39,9 @@ struct WorldOptions {
   std::string accelerator = "kdtree";  ///< One of accelerator_names(). Never shapes the image.
 };
 
+/// Errors: a usage Error for a mode or an uplift that is none, made of a number.
+void check_world_options(const WorldOptions& options);
+
 /// Turns quantities of a scene into rows: one value per lane for every wavelength set.
 /// Shape of every row returned: set_count × lane_stride.
 ///
@@ -55,7 +58,8 @@ class LaneModel {
  public:
   /// `observer` is that of photometry, CIE 1931: luminances are its. `d65` in any scale; `lamps`
   /// are the scene's emission spectra (for the wavelength density).
-  /// Errors: a usage Error where causes are frozen and three lanes per wavelength are too many, or
+  /// Errors: as check_world_options; a usage Error where causes are frozen and three lanes per
+  /// wavelength are too many, or
   ///         the film's observer has no channel basis.
   LaneModel(const WorldOptions& options, const Observer& observer, const Spectrum& d65,
             std::span<const Spectrum> lamps);

@@ -1,6 +1,5 @@
 #include "abbe/cli/options/parse.h"
 
-#include <charconv>
 #include <cmath>
 
 #include "abbe/base/error.h"
@@ -22,51 +21,44 @@ std::optional<std::vector<int>> whole_numbers(const std::string& text, char sepa
   return numbers;
 }
 
-std::string quoted(const std::string& text) {
-  return "\"" + text + "\"";
-}
-
 }  // namespace
 
 template <>
 double parse_number<double>(const std::string& option, const std::string& text) {
   const auto number = number_of(text);
-  if (!number) throw_usage_error(option, quoted(text), "a number");
+  if (!number) throw_usage_error(option, in_quotes(text), "a number");
   return *number;
 }
 
 template <>
 int parse_number<int>(const std::string& option, const std::string& text) {
   const auto number = whole_number_of(text);
-  if (!number) throw_usage_error(option, quoted(text), "a whole number");
+  if (!number) throw_usage_error(option, in_quotes(text), "a whole number");
   return *number;
 }
 
 template <>
 std::uint32_t parse_number<std::uint32_t>(const std::string& option, const std::string& text) {
-  std::uint32_t number = 0;
-  const char* end = text.data() + text.size();
-  const auto [stopped, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc() || stopped != end)
-    throw_usage_error(option, quoted(text), "a whole number from 0 to 4294967295");
-  return number;
+  const auto number = whole_u32_of(text);
+  if (!number) throw_usage_error(option, in_quotes(text), "a whole number from 0 to 4294967295");
+  return *number;
 }
 
 Vec2i parse_size(const std::string& text) {
   const auto numbers = whole_numbers(text, 'x', 2);
-  if (!numbers) throw_usage_error("--size", quoted(text), "WxH in pixels, as in 960x540");
+  if (!numbers) throw_usage_error("--size", in_quotes(text), "WxH in pixels, as in 960x540");
   return {(*numbers)[0], (*numbers)[1]};
 }
 
 PixelRect parse_crop(const std::string& text) {
   const auto numbers = whole_numbers(text, ',', 4);
-  if (!numbers) throw_usage_error("--crop", quoted(text), "X0,Y0,X1,Y1 in pixels, half-open");
+  if (!numbers) throw_usage_error("--crop", in_quotes(text), "X0,Y0,X1,Y1 in pixels, half-open");
   return {(*numbers)[0], (*numbers)[1], (*numbers)[2], (*numbers)[3]};
 }
 
 Vec2i parse_pixel(const std::string& text) {
   const auto numbers = whole_numbers(text, ',', 2);
-  if (!numbers) throw_usage_error("--pixel", quoted(text), "X,Y as in 480,270");
+  if (!numbers) throw_usage_error("--pixel", in_quotes(text), "X,Y as in 480,270");
   return {(*numbers)[0], (*numbers)[1]};
 }
 
@@ -77,7 +69,7 @@ std::pair<double, double> parse_range(const std::string& text) {
     const auto high = number_of(parts[1]);
     if (low && high) return {*low, *high};
   }
-  throw_usage_error("--range", quoted(text), "A:B in nm, as in 400:700");
+  throw_usage_error("--range", in_quotes(text), "A:B in nm, as in 400:700");
 }
 
 std::vector<double> parse_lines(const std::string& text) {
@@ -85,7 +77,8 @@ std::vector<double> parse_lines(const std::string& text) {
   for (const std::string& part : split(text, ',')) {
     const auto number = number_of(part);
     if (!number) {
-      throw_usage_error("--lines", quoted(text), "wavelengths in nm, as in 486.13,587.56,656.27");
+      throw_usage_error("--lines", in_quotes(text),
+                        "wavelengths in nm, as in 486.13,587.56,656.27");
     }
     wavelengths_nm.push_back(*number);
   }
@@ -100,7 +93,7 @@ std::optional<double> parse_exposure(const std::string& text) {
   if (text == "auto") return std::nullopt;
   const auto number = number_of(text);
   if (!number || std::abs(*number) > 100.0) {
-    throw_usage_error("--exposure", quoted(text), "a number of EV from -100 to 100, or auto");
+    throw_usage_error("--exposure", in_quotes(text), "a number of EV from -100 to 100, or auto");
   }
   return number;
 }

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
+#include <vector>
 
 #include "abbe/base/error.h"
 #include "abbe/base/parallel.h"
@@ -212,6 +214,58 @@ TEST(RenderTest, scene_of_a_program_is_checked_where_its_world_is_made) {
   Scene scene = glass_over_floor();
   scene.meshes.front().triangles.front()[1] = 1'000'000;
   EXPECT_THROW((void)test::make_world(scene, test::small_settings()), Error);
+}
+
+double relative_rms(const std::vector<double>& sums, double count, const Image& reference) {
+  double error = 0.0, size = 0.0;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const double value = static_cast<double>(reference.pixels[i]);
+    error += std::pow(sums[i] / count - value, 2.0);
+    size += value * value;
+  }
+  return std::sqrt(error / size);
+}
+
+TEST(RenderTest, mean_of_many_seeds_is_about_as_good_as_one_render_of_all_their_samples) {
+  const Scene scene = glass_over_floor();
+  RenderSettings settings = test::small_settings();
+  settings.size = {24, 24};
+  settings.filter = "gaussian";
+  const LitWorld world = test::make_world(scene, settings);
+  const auto image_of = [&](int samples, std::uint32_t seed) {
+    settings.samples_per_pixel = samples;
+    settings.seed = seed;
+    return test::render(world, scene.cameras.front(), settings).image;
+  };
+  const Image reference = image_of(1024, 1000);
+  const auto error_of = [&](int samples, std::uint32_t first, std::uint32_t seeds) {
+    std::vector<double> sums(reference.pixels.size());
+    for (std::uint32_t seed = first; seed < first + seeds; ++seed) {
+      const Image image = image_of(samples, seed);
+      for (std::size_t i = 0; i < sums.size(); ++i) {
+        sums[i] += static_cast<double>(image.pixels[i]);
+      }
+    }
+    return relative_rms(sums, seeds, reference);
+  };
+  const double one = error_of(64, 0, 1);
+  for (const int samples : {1, 3, 4, 16}) {
+    // Seeds lie at the edges of the strata they share, a single render in the middles.
+    EXPECT_LT(error_of(samples, 0, 64u / static_cast<unsigned>(samples)), 1.5 * one) << samples;
+    EXPECT_LT(error_of(samples, 64, 64u / static_cast<unsigned>(samples)), 1.5 * one) << samples;
+  }
+}
+
+TEST(RenderTest, no_two_seeds_are_one_image_however_large_they_are) {
+  const Scene scene = glass_over_floor();
+  RenderSettings settings = test::small_settings();
+  settings.samples_per_pixel = 16;  // Seeds times 16 pass 32 bits.
+  std::set<std::vector<float>> images;
+  for (const std::uint32_t seed : {0u, 1u, 1u << 28, (1u << 28) + 1u, 1u << 31, 0xffffffffu}) {
+    settings.seed = seed;
+    images.insert(test::render(scene, settings).image.pixels);
+  }
+  EXPECT_EQ(images.size(), 6u);
 }
 
 TEST(RenderTest, bands_hold_the_mean_spectral_radiance_of_the_lamp) {

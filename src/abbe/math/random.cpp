@@ -72,7 +72,7 @@ Vec2f random_2d(const SampleChance& sample, std::uint64_t path, Purpose purpose,
 }
 
 float wavelength_shift(std::uint32_t sample_index) {
-  return unit_float(sobol(sample_index, 2) ^ kMiddle);
+  return unit_float(sobol(sample_index, kWavelengthDimension) ^ kMiddle);
 }
 
 float dither_noise(const Vec2i& place, std::uint32_t channel) {

@@ -3,7 +3,7 @@
 /// A number is a function of (sample of its pixel, pixel, path, purpose), never of a thread, a lane
 /// or a number drawn before it. Over the samples of a pixel each is a scrambled (0, 2)-sequence:
 /// every prefix is well stratified, so the number of samples need not be known when the first is
-/// drawn. (Places in the pixel and wavelength shifts are then centred in the finest strata that a
+/// drawn. (Places in the pixel and wavelength shifts are then moved within the finest strata that a
 /// bound of that number fills.) What an effect to come draws is a new Purpose here; the numbers of
 /// all others stay as they are.
 #pragma once
@@ -33,14 +33,14 @@ enum class Purpose : std::uint8_t {
 };
 inline constexpr int kPurposes = static_cast<int>(Purpose::Rebound) + 1;
 
-/// What all random numbers of a camera sample share.
+/// What all random numbers of a camera sample share. Renders with different seeds take other
+/// stretches of the same sequences, as one render with more samples would.
 struct SampleChance {
   std::uint32_t pixel = 0;  ///< Of pixel_chance(); the same for all samples of a pixel.
-  std::uint32_t index = 0;  ///< Of the sample within its pixel: 0, 1, 2, …
+  std::uint32_t index = 0;  ///< Of the sample in its pixel's sequence: 0, 1, 2, … for seed 0.
 };
 
-/// The scramble of a pixel's numbers. Renders with different seeds share their wavelength shifts,
-/// and of places in the pixel all but the first binary digits.
+/// The scramble of a pixel's numbers.
 std::uint32_t pixel_chance(const Vec2i& pixel, std::uint32_t seed);
 
 /// What has happened to a ray since it left the camera, as a word. Samples of a pixel whose paths
@@ -63,8 +63,11 @@ float random_1d(const SampleChance& sample, std::uint64_t path, Purpose purpose,
 Vec2f random_2d(const SampleChance& sample, std::uint64_t path, Purpose purpose,
                 std::uint32_t item = 0);
 
+/// The dimension of sobol() that shifts the wavelengths of a camera sample.
+inline constexpr int kWavelengthDimension = 2;
+
 /// By what share of a stratum the wavelengths of a pixel's sample are shifted: one sequence for all
-/// pixels and seeds, so that neighbours that see the same light get the same colour, and lanes of
+/// pixels, so that neighbours that see the same light get the same colour, and lanes of
 /// all samples together divide the spectrum evenly.
 /// Shape: in [0, 1); every prefix is stratified as random_1d is.
 float wavelength_shift(std::uint32_t sample_index);

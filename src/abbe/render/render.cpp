@@ -35,22 +35,26 @@ class SampleSource {
         settings_(settings),
         rays_(camera, settings.size),
         filter_(Filter::named(settings.filter)),
-        strata_(static_cast<float>(
-            std::bit_ceil(static_cast<std::uint32_t>(settings.samples_per_pixel)))) {}
+        strata_(std::bit_ceil(static_cast<std::uint32_t>(settings.samples_per_pixel))) {}
 
   int set_of(std::uint32_t index) const {
     const WavelengthQuadrature* quadrature = world_.lanes.quadrature();
-    return quadrature == nullptr ? 0 : quadrature->set_of(centred(wavelength_shift(index)));
+    if (quadrature == nullptr) return 0;
+    const auto at = static_cast<std::uint32_t>(in_sequence(index));
+    return quadrature->set_of(placed(wavelength_shift(at), at, kWavelengthDimension));
   }
 
   CameraSample sample(const Vec2i& pixel, std::uint32_t index,
                       const std::optional<Vec2f>& offset_px, float* weight) const {
     CameraSample sample;
     sample.set = set_of(index);
-    sample.chance = {pixel_chance(pixel, settings_.seed), index};
+    const std::uint64_t at = in_sequence(index);
+    sample.chance = {pixel_chance(pixel, static_cast<std::uint32_t>(at >> 32)),
+                     static_cast<std::uint32_t>(at)};
     sample.u_fog = random_1d(sample.chance, kCameraPath, Purpose::Fog);
     const Vec2f u = random_2d(sample.chance, kCameraPath, Purpose::Film);
-    FilterSample place = filter_.sample({centred(u.x), centred(u.y)});
+    FilterSample place =
+        filter_.sample({placed(u.x, sample.chance.index, 0), placed(u.y, sample.chance.index, 1)});
     if (offset_px) place.offset_px = *offset_px;
     *weight = place.weight;
     sample.offset_px = place.offset_px;
@@ -59,16 +63,30 @@ class SampleSource {
   }
 
  private:
-  // The middle of the finest stratum that the samples of a pixel can fill: a quadrature rule, where
-  // light changes evenly across a pixel or a stratum of wavelengths. A bound of their number is
-  // enough; coarser strata, and so shorter prefixes, are filled as before.
-  float centred(float u) const { return (std::floor(u * strata_) + 0.5f) / strata_; }
+  // A seed is a stretch of one sequence, as its samples would be in a render of many more; what
+  // passes its 32 bits scrambles the pixels.
+  std::uint64_t in_sequence(std::uint32_t index) const {
+    return std::uint64_t{settings_.seed} * static_cast<std::uint32_t>(settings_.samples_per_pixel) +
+           index;
+  }
+
+  // The place in the finest stratum that the samples of a pixel can fill: for seed 0 the middle, a
+  // quadrature rule where light changes evenly across a pixel or a stratum of wavelengths; for
+  // others where the digits of the sequence beyond the stratum say, so that seeds together fill
+  // finer strata. A bound of the number of samples is enough; coarser strata, and so shorter
+  // prefixes, are filled as before.
+  float placed(float u, std::uint32_t at, int dimension) const {
+    const std::uint32_t within = (sobol(at, dimension) * strata_) ^ 0x80000000u;
+    const auto strata = static_cast<float>(strata_);
+    const float place = (std::floor(u * strata) + unit_float(within)) / strata;
+    return std::min(place, std::nextafter(1.0f, 0.0f));  // Rounding may reach 1.
+  }
 
   const World& world_;
   const RenderSettings& settings_;
   CameraRays rays_;
   Filter filter_;
-  float strata_;
+  std::uint32_t strata_;
 };
 
 // Names of extra channels that are parts of the light, in the order of LightPart.
@@ -348,6 +366,7 @@ FilmOptions film_options(const RenderSettings& settings) {
 
 RenderResult render(const LitWorld& world, const Camera& camera, const RenderSettings& settings,
                     Film& film, const ProgressCallback& progress, const CancelFlag* cancel) {
+  check_agreement(world, camera, settings, film);
   return Renderer(world, camera, settings, film).run(progress, cancel);
 }
 
@@ -359,4 +378,3 @@ CameraSample camera_sample(const World& world, const Camera& camera, const Rende
 }
 
 }  // namespace abbe
-  check_agreement(world, camera, settings, film);

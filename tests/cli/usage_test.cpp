@@ -72,6 +72,7 @@ const WrongUsage kWrong[] = {
     {"crop_outside", render_with({"--size", "8x8", "--crop", "0,0,9,8"}), "--crop"},
     {"crop_empty", render_with({"--size", "8x8", "--crop", "4,4,4,8"}), "--crop"},
     {"camera", render_with({"--camera", "none"}), "eye"},
+    {"camera_number", render_with({"--camera", "#1"}), "eye"},
     {"scene_name", render_with({"--scene", "none"}), "stage"},
     {"colorspace", render_with({"--colorspace", "sRGB?"}), "ACEScg"},
     {"display", render_with({"-o", "b.png", "--display", "tv"}), "sRGB - Display"},

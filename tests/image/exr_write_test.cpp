@@ -169,6 +169,15 @@ TEST(Exr, parts_hold_colour_spectrum_and_layers_apart_and_read_as_one_image) {
   }
 }
 
+TEST(Exr, parts_have_names_even_where_colour_is_all) {
+  const TemporaryFolder folder;
+  const Image image = patterned(4, 4, {"R", "G", "B"});
+  for (const bool multi_part : {false, true}) {
+    write_exr(folder / "a.exr", image, {.multi_part = multi_part});
+    EXPECT_EQ(read_exr_header(folder / "a.exr").has_named_parts, multi_part);
+  }
+}
+
 TEST(Exr, ids_are_whole_numbers_with_names) {
   const TemporaryFolder folder;
   Image image = patterned(2, 2, {"R", "G", "B", "objectId"});

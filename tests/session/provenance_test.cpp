@@ -92,6 +92,29 @@ TEST(Recipe, of_a_file_has_the_settings_that_made_it) {
   EXPECT_EQ(header_of(read).attributes, header_of(settings).attributes);
 }
 
+TEST(PreparedScene, name_of_a_camera_is_what_finds_it_again) {
+  PreparedScene scene;
+  const auto names = [&scene](const std::vector<std::string>& cameras) {
+    scene.scene.cameras.clear();
+    std::vector<std::string> found;
+    for (const std::string& name : cameras) scene.scene.cameras.emplace_back().name = name;
+    for (scene.camera = 0; scene.camera < cameras.size(); ++scene.camera) {
+      found.push_back(scene.camera_name());
+    }
+    return found;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(names({"a", "b", ""}), (Names{"a", "b", "2"}));
+  EXPECT_EQ(names({"a", "a"}), (Names{"0", "1"}));
+  EXPECT_EQ(names({"a", "default"}), (Names{"a", "1"}));
+  EXPECT_EQ(names({"1", ""}), (Names{"1", "#1"}));
+  EXPECT_EQ(names({"#1", "x"}), (Names{"0", "x"}));
+  scene.scene.cameras.clear();
+  scene.camera = 0;
+  scene.has_default_camera = add_default_camera(scene.scene);
+  EXPECT_EQ(scene.camera_name(), "default");
+}
+
 TEST(Recipe, of_lines_has_no_range) {
   RenderSettings settings;
   settings.wavelengths.exact_nm = {486.13, 587.56};
@@ -114,7 +137,12 @@ TEST(Recipe, of_hostile_attributes_is_an_input_error) {
       {"abbe:samples", std::string("many")},   {"abbe:samples", -1},
       {"abbe:range", std::string("1:2:3 nm")}, {"abbe:bands", std::string("x")},
       {"abbe:lines", std::string("1,,2 nm")},  {"abbe:filter", std::string("sinc")},
-      {"abbe:freeze", std::string("noise")},   {"abbe:aov", std::string("depth")}};
+      {"abbe:freeze", std::string("noise")},   {"abbe:aov", std::string("depth")},
+      {"abbe:seed", std::string("-5")},        {"abbe:seed", std::string("1e300")},
+      {"abbe:seed", std::string("1.5")},       {"abbe:seed", std::string("4294967296")},
+      {"abbe:caustics", std::string("maybe")}, {"abbe:caustics", std::string()},
+      {"abbe:multipleScattering", 2},          {"abbe:drop", 7},
+      {"abbe:uplift", std::string("zzz")},     {"abbe:adaptation", std::string("zzz")}};
   for (const auto& [name, value] : wrong) {
     ExrHeader header = header_of({});
     header.attributes[name] = value;
@@ -126,6 +154,16 @@ TEST(Recipe, of_hostile_attributes_is_an_input_error) {
       EXPECT_THAT(error.what(), HasSubstr("another version"));
     }
   }
+}
+
+TEST(Picture, of_a_camera_that_is_none_is_a_usage_error) {
+  const Standards standards = read_standards(test::catalogue());
+  Notes notes;
+  const RenderSettings settings;
+  EXPECT_THROW((void)render_picture(PreparedScene(), settings, standards, notes), Error);
+  PreparedScene scene = prepared();
+  scene.camera = 1;
+  EXPECT_THROW((void)render_picture(scene, settings, standards, notes), Error);
 }
 
 TEST(Picture, error_of_a_setting_names_its_field) {
@@ -147,24 +185,6 @@ TEST(Picture, error_of_a_setting_names_its_field) {
   rejects("wavelengths.count", [](RenderSettings& settings) { settings.wavelengths.count = 65; });
   rejects("aovs", [](RenderSettings& settings) { settings.aovs = {"spectralAlbedo"}; });
   rejects("bands", [](RenderSettings& settings) {
-    settings.mode = Mode::Rgb;
-    settings.bands = parse_bands("400:700:10");
-  });
-}
-
-}  // namespace
-}  // namespace abbe
-TEST(Picture, of_a_camera_that_is_none_is_a_usage_error) {
-  const Standards standards = read_standards(test::catalogue());
-  Notes notes;
-  const RenderSettings settings;
-  EXPECT_THROW((void)render_picture(PreparedScene(), settings, standards, notes), Error);
-  PreparedScene scene = prepared();
-  scene.camera = 1;
-  EXPECT_THROW((void)render_picture(scene, settings, standards, notes), Error);
-}
-
-  rejects("bands", [](RenderSettings& settings) {
     settings.bands = BandOptions{400.0, 700.0, 0.0};
   });
   rejects("mode", [](RenderSettings& settings) { settings.mode = static_cast<Mode>(7); });
@@ -176,3 +196,11 @@ TEST(Picture, of_a_camera_that_is_none_is_a_usage_error) {
   });
   rejects("crop", [](RenderSettings& settings) { settings.crop = PixelRect{0, 0, 961, 1}; });
   rejects("size", [](RenderSettings& settings) { settings.size = {65536, 65536}; });
+  rejects("bands", [](RenderSettings& settings) {
+    settings.mode = Mode::Rgb;
+    settings.bands = parse_bands("400:700:10");
+  });
+}
+
+}  // namespace
+}  // namespace abbe

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -17,16 +18,16 @@ namespace {
 
 std::size_t camera_index(const Scene& scene, const std::string& name) {
   if (name.empty()) return 0;
+  const auto number = whole_u32_of(name.substr(name.front() == '#' ? 1 : 0));
+  const bool has_number = number && *number < scene.cameras.size();
+  if (has_number && name.front() == '#') return *number;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
     if (scene.cameras[i].name == name) return i;
     names.push_back(scene.cameras[i].name.empty() ? std::to_string(i) : scene.cameras[i].name);
   }
-  const auto number = whole_number_of(name);
-  if (number && *number >= 0 && static_cast<std::size_t>(*number) < scene.cameras.size()) {
-    return static_cast<std::size_t>(*number);
-  }
-  throw_usage_error("camera", "\"" + name + "\"", "a camera of the scene", names);
+  if (has_number) return *number;
+  throw_usage_error("camera", in_quotes(name), "a camera of the scene", names);
 }
 
 // An unknown id in a scene is bad input, as a choice wrong usage.
@@ -53,7 +54,6 @@ NamedSpectrum lamp_of(const std::string& id_or_tail, const Catalogue& catalogue)
 
 }  // namespace
 
-std::string PreparedScene::camera_name() const {
 const Camera& PreparedScene::chosen_camera() const {
   if (camera >= scene.cameras.size()) {
     throw_usage_error("camera", fmt::format("number {}", camera),
@@ -62,7 +62,7 @@ const Camera& PreparedScene::chosen_camera() const {
   return scene.cameras[camera];
 }
 
-  if (has_default_camera) return "default";
+std::string PreparedScene::camera_name() const {
   const std::string& name = chosen_camera().name;
   if (has_default_camera) return "default";
   const auto count_of = [this](const std::string& text) {

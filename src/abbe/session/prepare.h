@@ -15,8 +15,9 @@ namespace abbe {
 struct SceneChoice {
   std::filesystem::path file;  ///< glTF, .gltf or .glb.
   std::string scene = {};      ///< By name; empty: the file's own.
-  std::string camera = {};     ///< By name or by number from 0; empty: the first.
-  std::string lamp = {};       ///< Spectrum of the catalogue for all lamps; empty: the scene's own.
+  /// By name, or by number from 0: `#N` where a name may be a number; empty: the first.
+  std::string camera = {};
+  std::string lamp = {};  ///< Spectrum of the catalogue for all lamps; empty: the scene's own.
 };
 
 /// A scene with at least one camera and one source of light, and what was chosen for it; placed

@@ -10,6 +10,7 @@
 #include "abbe/base/error.h"
 #include "abbe/base/isa.h"
 #include "abbe/base/text.h"
+#include "abbe/session/spectra_hash.h"
 #include "abbe/spectrum/spectrum.h"
 
 namespace abbe {
@@ -82,7 +83,7 @@ class Reader {
     if (list.empty()) return numbers;
     for (const std::string& part : split(list, separator)) {
       const auto number = number_of(part);
-      if (!number) reject(name, "\"" + list + "\"");
+      if (!number) reject(name, in_quotes(list));
       numbers.push_back(*number);
     }
     return numbers;
@@ -90,6 +91,15 @@ class Reader {
   std::vector<std::string> names(const std::string& name) const {
     const std::string list = text(name);
     return list.empty() ? std::vector<std::string>{} : split(list, ',');
+  }
+  /// The setting that a word stands for; of a missing one, as it is.
+  template <typename T>
+  void get_word(const std::string& name, const std::string& word,
+                const std::map<std::string, T>& meanings, T& setting) const {
+    if (!attributes_.contains("abbe:" + name)) return;
+    const auto meaning = meanings.find(word);
+    if (meaning == meanings.end()) reject(name, in_quotes(word));
+    setting = meaning->second;
   }
   [[noreturn]] static void reject(const std::string& name, const std::string& found) {
     throw_input_error("abbe:" + name, found, "what this version writes");
@@ -116,21 +126,27 @@ RenderSettings settings_of(const Reader& read) {
   if (const std::string filter = read.text("filter"); !filter.empty()) settings.filter = filter;
   read.get("depth", settings.max_depth);
   read.get("cutoff", settings.cutoff);
-  settings.caustics = read.text("caustics") != "off";
+  read.get_word("caustics", read.text("caustics"), {{"exact", true}, {"off", false}},
+                settings.caustics);
   read.get("chain", settings.inner_reflections);
   const auto is_on = [&read](const char* name) {
     int value = 0;
     read.get(name, value);
+    if (value != 0 && value != 1) Reader::reject(name, std::to_string(value));
     return value == 1;
   };
   settings.drop = is_on("drop");
   settings.multiple_scattering = is_on("multipleScattering");
-  if (const std::vector<double> seed = read.numbers("seed", ','); seed.size() == 1) {
-    settings.seed = static_cast<std::uint32_t>(seed.front());
+  if (const std::string text = read.text("seed"); !text.empty()) {
+    const auto seed = whole_u32_of(text);
+    if (!seed) Reader::reject("seed", in_quotes(text));
+    settings.seed = *seed;
   }
-  if (read.text("uplift").starts_with(uplift_title(Uplift::MallettYuksel))) {
-    settings.uplift = Uplift::MallettYuksel;
+  std::map<std::string, Uplift> uplifts{{"none", settings.uplift}};
+  for (const Uplift uplift : {Uplift::JakobHanika, Uplift::MallettYuksel}) {
+    uplifts[uplift_title(uplift)] = uplift;
   }
+  read.get_word("uplift", read.text("uplift", ","), uplifts, settings.uplift);
   if (const auto causes = read.names("freeze"); !causes.empty()) {
     settings.frozen = parse_causes(causes);
   }
@@ -148,7 +164,7 @@ void read_form(const ExrHeader& header, Recipe& recipe) {
   }
   recipe.form.compression = header.compression;
   recipe.form.tile_size = header.tile_size;
-  recipe.form.multi_part = header.part_count > 1;
+  recipe.form.multi_part = header.has_named_parts;
   recipe.form.half =
       std::any_of(header.channels.begin(), header.channels.end(),
                   [](const ExrHeader::Channel& channel) { return channel.type == "half"; });
@@ -177,10 +193,12 @@ std::optional<Recipe> recipe_of(const ExrHeader& header) {
     read_form(header, recipe);
     recipe.scene.scene = read.text("scene");
     recipe.scene.camera = read.text("camera");
-    if (recipe.scene.camera == "default") recipe.scene.camera.clear();
     recipe.scene.lamp = read.text("lamp");
     recipe.development = {read.text("observer", ","), read.text("white"),
                           read.text("adaptation", " ")};
+    if (!recipe.development.adaptation.empty()) {
+      (void)adaptation_from_name(recipe.development.adaptation);
+    }
     if (attributes.contains("abbe:primaries")) recipe.color_space = read.text("primaries");
     recipe.isa = read.text("isa");
     check_settings(recipe.settings);
@@ -211,6 +229,7 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
   out["abbe:unit"] = std::string("D65 at 1 cd/m2 is 1, 1, 1");
 
   out["abbe:sceneHash"] = prepared.scene.content_hash;
+  out["abbe:spectraHash"] = spectra_hash(prepared.scene, development, standards);
   if (!prepared.scene.name.empty()) out["abbe:scene"] = prepared.scene.name;
   out["abbe:camera"] = prepared.camera_name();
   if (prepared.has_default_lights) out["abbe:lights"] = std::string("default");

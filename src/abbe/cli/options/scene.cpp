@@ -19,8 +19,10 @@ void add_view_options(CLI::App& command, SceneOptions& options) {
   RenderSettings& settings = options.settings;
   add_shown(command, "--scene", options.choice.scene, "NAME",
             "scene of the file to take (default: the file's own)");
-  add_shown(command, "--camera", options.choice.camera, "NAME",
-            "camera to look through, by name or by number from 0 (default: the first)");
+  add_shown(
+      command, "--camera", options.choice.camera, "NAME",
+      "camera to look through, by name or by number from 0, #N where a name is a number (default: "
+      "the first)");
   add_shown(
       command, "--lamp", options.choice.lamp, "ID",
       "spectrum of the catalogue for all lamps of the scene, as illuminant/A; their brightness "

@@ -61,6 +61,7 @@ struct ExrHeader {
   std::string compression;
   int tile_size = 0;  ///< Width of a tile; 0: scan lines.
   int part_count = 1;
+  bool has_named_parts = false;  ///< As ExrOptions::multi_part makes them, even where one is all.
   std::optional<std::array<float, 8>> chromaticities;
   std::map<std::string, Attribute> attributes;
   std::vector<IdNames> id_names;

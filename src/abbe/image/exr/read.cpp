@@ -235,6 +235,7 @@ ExrHeader understood(const std::filesystem::path& file, const Imf::MultiPartInpu
                      std::vector<Source>& sources) {
   ExrHeader result = windows_of(file, exr.header(0));
   result.part_count = exr.parts();
+  result.has_named_parts = exr.header(0).hasName();
   for (int part = 0; part < exr.parts(); ++part) {
     const ExrHeader windows = windows_of(file, exr.header(part));
     if (windows.width != result.width || windows.height != result.height ||

@@ -177,6 +177,51 @@ TEST_F(GoldenCommand, list_that_leads_out_of_the_folder_is_refused) {
   EXPECT_EQ(abbe({"golden", "check", "golden"}).exit_code, kBadInput);
 }
 
+TEST_F(GoldenCommand, observer_of_a_file_is_refused_before_anything_is_written) {
+  const std::string before = bytes("golden/ball.exr");
+  write("eye.csv", "nm,x,y,z\n400,0,0,1\n500,0,1,0\n600,1,0,0\n700,0,0,0\n");
+  for (const char* folder : {"golden", "new"}) {
+    const test::Outcome outcome = abbe({"golden", "make", "scene.gltf", "-o", folder, "--size",
+                                        "16x9", "--name", "ball", "--observer", "eye.csv"});
+    EXPECT_EQ(outcome.exit_code, kUsage);
+    EXPECT_THAT(outcome.err, HasSubstr("--observer: found \"eye.csv\""));
+  }
+  EXPECT_EQ(bytes("golden/ball.exr"), before);
+  EXPECT_FALSE(fs::exists(file("new")));
+}
+
+TEST_F(GoldenCommand, scene_that_has_changed_is_said_to_have) {
+  std::string scene = bytes("scene.gltf");
+  EXPECT_THAT(abbe({"golden", "check", "golden"}).out, testing::Not(HasSubstr("abbe:sceneHash")));
+  write("scene.gltf", scene + "\n");
+  const test::Outcome outcome = abbe({"golden", "check", "golden"});
+  EXPECT_EQ(outcome.exit_code, 0);  // A blank shapes no pixel.
+  EXPECT_THAT(outcome.out, HasSubstr("abbe:sceneHash differs"));
+}
+
+TEST_F(GoldenCommand, list_without_images_or_without_json_is_an_error) {
+  write("golden/golden.json", "{\"images\": []}");
+  EXPECT_EQ(abbe({"golden", "check", "golden"}).exit_code, kBadInput);
+  EXPECT_EQ(abbe({"golden", "renew", "golden"}).exit_code, kBadInput);
+  write("golden/golden.json", "{");
+  const test::Outcome outcome = abbe({"golden", "check", "golden"});
+  EXPECT_EQ(outcome.exit_code, kBadInput);
+  EXPECT_THAT(outcome.err, HasSubstr("line 1, column 2"));
+}
+
+TEST_F(GoldenCommand, camera_named_default_is_found_again) {
+  std::string scene = bytes("scene.gltf");
+  for (std::size_t at = 0; (at = scene.find("\"eye\"", at)) != std::string::npos;) {
+    scene.replace(at, 5, "\"default\"");
+  }
+  write("default.gltf", scene);
+  ASSERT_EQ(abbe({"golden", "make", "default.gltf", "-o", "golden", "--size", "16x9", "--spp", "1",
+                  "--camera", "default"})
+                .exit_code,
+            0);
+  EXPECT_EQ(abbe({"golden", "check", "golden"}).exit_code, 0);
+}
+
 TEST_F(GoldenCommand, wrong_names_and_folders_are_errors) {
   EXPECT_EQ(abbe({"golden", "check", "golden", "--only", "bell"}).exit_code, kUsage);
   EXPECT_EQ(abbe({"golden", "check", "nowhere"}).exit_code, kBadInput);

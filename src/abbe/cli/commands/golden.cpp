@@ -72,6 +72,7 @@ ExitCode run_make(MakeArguments& arguments) {
     throw_usage_error("--fail", "a tolerance below 0", "0 or more, of --fail-percent up to 100");
   }
   check_render_arguments(arguments.render);
+  check_golden_choice(arguments.render.development);
   const fs::path folder = arguments.folder;
   std::error_code error;
   fs::create_directories(folder, error);
@@ -107,8 +108,13 @@ ExitCode run_make(MakeArguments& arguments) {
   return ExitCode::Done;
 }
 
-std::vector<GoldenImage> chosen(const std::vector<GoldenImage>& images,
-                                const std::vector<std::string>& only) {
+// The images of a folder that were asked for, at least one.
+std::vector<GoldenImage> chosen(const fs::path& folder, const std::vector<std::string>& only) {
+  const std::vector<GoldenImage> images = read_golden_list(folder);
+  if (images.empty()) {
+    throw_input_error((folder / kGoldenList).string(), "no images",
+                      "at least one, which `abbe golden make` adds");
+  }
   if (only.empty()) return images;
   std::vector<GoldenImage> result;
   std::vector<std::string> names;
@@ -123,7 +129,7 @@ ExitCode run_renew(const RenewArguments& arguments) {
   const fs::path folder = arguments.folder;
   const Standards standards = read_standards();
   const InterruptGuard interrupt;
-  for (const GoldenImage& image : chosen(read_golden_list(folder), arguments.only)) {
+  for (const GoldenImage& image : chosen(folder, arguments.only)) {
     const fs::path reference = golden_file(folder, image.name);
     Recipe recipe = golden_recipe(reference);
     recipe.scene.file = folder / image.scene;
@@ -138,8 +144,7 @@ ExitCode run_renew(const RenewArguments& arguments) {
 }
 
 ExitCode run_check(const CheckArguments& arguments) {
-  const std::vector<GoldenImage> images =
-      chosen(read_golden_list(arguments.folder), arguments.only);
+  const std::vector<GoldenImage> images = chosen(arguments.folder, arguments.only);
   const fs::path results = arguments.results;
   std::error_code error;
   fs::create_directories(results, error);

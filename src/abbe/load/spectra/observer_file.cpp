@@ -120,14 +120,17 @@ Observer read_observer_csv(const std::filesystem::path& file, const Observer& ph
   return observer;
 }
 
+bool is_observer_file(const std::string& name) {
+  if (name == "cie1931" || name == "cie1964") return false;
+  std::error_code ignored;
+  return name.ends_with(".csv") || std::filesystem::exists(name, ignored);
+}
+
 Observer observer_named(const std::string& name, const Catalogue& catalogue,
                         const Observer& photometer, const Spectrum& d65) {
+  if (is_observer_file(name)) return read_observer_csv(name, photometer, d65);
   if (name == "cie1931") return catalogue.observer("observer/cie1931-2deg");
   if (name == "cie1964") return catalogue.observer("observer/cie1964-10deg");
-  std::error_code ignored;
-  if (name.ends_with(".csv") || std::filesystem::exists(name, ignored)) {
-    return read_observer_csv(name, photometer, d65);
-  }
   std::vector<std::string> choices{"cie1931", "cie1964"};
   for (const std::string& id : catalogue.ids()) {
     if (!id.starts_with("observer/")) continue;

@@ -18,6 +18,9 @@ namespace abbe {
 Observer read_observer_csv(const std::filesystem::path& file, const Observer& photometer,
                            const Spectrum& d65);
 
+/// Whether an observer of that name is one of a file of its own.
+bool is_observer_file(const std::string& name);
+
 /// An observer by name: cie1931, cie1964, the id of one in the catalogue or a file.
 /// Errors: a usage Error for an unknown name, an input Error for the file.
 Observer observer_named(const std::string& name, const Catalogue& catalogue,

@@ -6,8 +6,10 @@
 #include <optional>
 
 #include "abbe/base/error.h"
+#include "abbe/base/text.h"
 #include "abbe/image/exr/exr.h"
 #include "abbe/image/metrics/compare.h"
+#include "abbe/load/spectra/observer_file.h"
 #include "abbe/report/golden/pictures.h"
 
 namespace abbe {
@@ -32,15 +34,30 @@ std::string change_text(const fs::path& reference, const fs::path& fresh,
   throw_output_error(file.string(), "an interrupted render", "a whole one");
 }
 
-// Renders a golden image again, as its reference was made.
-void render_again(const GoldenImage& golden, const GoldenCheck& how, const fs::path& file) {
-  Recipe recipe = golden_recipe(golden_file(how.folder, golden.name));
+// What of a scene is not as it was when its reference was made; empty when all is.
+std::string changes_of(const ExrHeader& reference, const ExrHeader& now) {
+  std::string text;
+  for (const char* name : {"abbe:sceneHash", "abbe:spectraHash"}) {
+    const auto then = reference.attributes.find(name);
+    const auto found = now.attributes.find(name);
+    const bool are_known = then != reference.attributes.end() && found != now.attributes.end();
+    if (!are_known || then->second == found->second) continue;
+    text += fmt::format("; {} differs: files have changed since the reference was made", name);
+  }
+  return text;
+}
+
+// Renders a golden image again, as its reference was made. Returns what has changed since.
+std::string render_again(const GoldenImage& golden, const GoldenCheck& how, const fs::path& file) {
+  const fs::path reference = golden_file(how.folder, golden.name);
+  Recipe recipe = golden_recipe(reference);
   recipe.scene.file = how.folder / golden.scene;
   recipe.settings.threads = how.threads;
   Notes notes;
   const Standards standards = read_standards();
   const PreparedScene prepared = prepare_scene(recipe.scene, standards.catalogue, notes);
   if (!render_file(recipe, prepared, standards, file, notes, how.cancel)) throw_interrupted(file);
+  return changes_of(read_exr_header(reference), read_exr_header(file));
 }
 
 }  // namespace
@@ -69,9 +86,17 @@ Recipe golden_recipe(const fs::path& reference) {
   return *recipe;
 }
 
+void check_golden_choice(const DevelopmentChoice& choice) {
+  if (is_observer_file(choice.observer)) {
+    throw_usage_error("observer", in_quotes(choice.observer),
+                      "an observer of the catalogue, which every check finds");
+  }
+}
+
 std::string render_golden(const Recipe& recipe, const PreparedScene& prepared,
                           const Standards& standards, const fs::path& reference,
                           const CompareThresholds& thresholds, const CancelFlag* cancel) {
+  check_golden_choice(recipe.development);
   const fs::path fresh = reference.parent_path() / ("." + reference.stem().string() + ".new.exr");
   Notes notes;
   if (!render_file(recipe, prepared, standards, fresh, notes, cancel)) {
@@ -91,12 +116,12 @@ GoldenResult check_golden(const GoldenImage& golden, const GoldenCheck& how) {
     const Image reference = read_exr(golden_file(how.folder, golden.name));
     const bool renders = how.images.empty();
     const fs::path file = golden_file(renders ? how.results : how.images, golden.name);
-    if (renders) render_again(golden, how, file);
+    const std::string changes = renders ? render_again(golden, how, file) : "";
     // Of a file with more than the reference has, only that counts.
     const Image image = with_channels(read_exr(file), reference.channels, file.string());
     const Comparison comparison = compare_images(image, reference, golden.thresholds);
     result.passed = comparison.passed;
-    result.message = comparison.summary(golden.thresholds);
+    result.message = comparison.summary(golden.thresholds) + changes;
     std::error_code ignored;
     // What passes needs no looking at.
     if (renders && result.passed) fs::remove(file, ignored);

@@ -17,6 +17,9 @@ std::filesystem::path golden_file(const std::filesystem::path& folder, const std
 /// Errors: an input Error for a file that does not say it, or that needs an observer's own file.
 Recipe golden_recipe(const std::filesystem::path& reference);
 
+/// Errors: a usage Error for what a reference cannot record: an observer's own file.
+void check_golden_choice(const DevelopmentChoice& choice);
+
 /// Renders a reference beside its file and puts it in its place. Returns by how much that changes
 /// it, in a line.
 /// Errors: as render_file; an output Error when interrupted.

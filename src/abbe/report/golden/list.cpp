@@ -66,7 +66,14 @@ bool is_golden_name(const std::string& name) {
 std::vector<GoldenImage> read_golden_list(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / kGoldenList;
   const std::vector<std::uint8_t> bytes = read_file(file, file.string(), kMaxListBytes);
-  const Json list = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  Json list;
+  try {
+    list = Json::parse(bytes.begin(), bytes.end());
+  } catch (const Json::exception& error) {
+    // The library's text names its exception first, then the place.
+    const std::string cause = error.what();
+    throw_input_error(file.string(), cause.substr(cause.find("] ") + 2), "JSON");
+  }
   const auto entries = list.is_object() ? list.find("images") : list.end();
   if (!list.is_object() || entries == list.end() || !entries->is_array()) {
     throw_input_error(file.string(), "no list of golden images", "{\"images\": […]}");

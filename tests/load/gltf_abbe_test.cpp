@@ -157,6 +157,17 @@ TEST_F(GltfAbbe, fog_of_the_scene) {
   EXPECT_EQ(std::get<Spectrum>(scene.fog->albedo).value(500), 0.5);
 }
 
+TEST_F(GltfAbbe, extension_where_nothing_reads_it_is_said_to_belong_elsewhere) {
+  document["extensions"]["ABBE_scene"] = {{"fog", {{"extinction", 0.25}}}};
+  node()["extensions"]["ABBE_material"] = Json::object();
+  material()["extensions"]["ABBE_shine"] = Json::object();
+  EXPECT_FALSE(load().fog);
+  EXPECT_THAT(notes_text(),
+              HasSubstr("/extensions/ABBE_scene: ignored: it belongs into /scenes/*/extensions"));
+  EXPECT_THAT(notes_text(), HasSubstr("/nodes/0/extensions/ABBE_material: ignored"));
+  EXPECT_THAT(notes_text(), HasSubstr("ABBE_shine: no such extension"));
+}
+
 TEST_F(GltfAbbe, ambient_of_the_scene) {
   document["scenes"][0]["extensions"]["ABBE_scene"] = {
       {"ambient", {{"luminance", 3}, {"spectrum", {{"blackbody", 5000}}}}},

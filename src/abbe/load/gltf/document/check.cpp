@@ -168,6 +168,45 @@ constexpr std::array kUnderstood = {
     "KHR_texture_transform",
 };
 
+// What our own extensions belong to, as a pointer with * for a number.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kHomes{
+    {{"ABBE_light", "/extensions/KHR_lights_punctual/lights/*"},
+     {"ABBE_material", "/materials/*"},
+     {"ABBE_scene", "/scenes/*"},
+     {"ABBE_shape", "/meshes/*"}}};
+
+// Warns of our own extensions where nothing reads them. `pattern` is the pointer with * for
+// numbers; the depth of a document is bounded.
+void warn_of_misplaced(const Json& json, const std::string& pointer, const std::string& pattern,
+                       Document& document) {
+  if (json.is_array()) {
+    for (std::size_t i = 0; i < json.size(); ++i) {
+      if (!json[i].is_structured()) return;
+      warn_of_misplaced(json[i], fmt::format("{}/{}", pointer, i), pattern + "/*", document);
+    }
+    return;
+  }
+  for (const auto& [name, value] : json.items()) {
+    if (name == "extensions" && value.is_object()) {
+      for (const auto& [extension, content] : value.items()) {
+        if (!extension.starts_with("ABBE_")) continue;
+        const auto* home =
+            std::find_if(kHomes.begin(), kHomes.end(),
+                         [&name = extension](const auto& known) { return known.first == name; });
+        if (home != kHomes.end() && home->second == pattern) continue;
+        document.notes().warn(
+            document.where(fmt::format("{}/extensions/{}", pointer, extension)),
+            home == kHomes.end()
+                ? "no such extension; ignored"
+                : fmt::format("ignored: it belongs into {}/extensions", home->second));
+      }
+    }
+    if (name != "extras" && value.is_structured()) {
+      warn_of_misplaced(value, pointer + "/" + name, pattern + "/" + name, document);
+    }
+  }
+}
+
 bool is_understood(const std::string& name) {
   return std::find(kUnderstood.begin(), kUnderstood.end(), name) != kUnderstood.end();
 }
@@ -229,6 +268,7 @@ bool uses_extension(const Document& document, const std::string& name) {
 }
 
 void check_extensions(Document& document) {
+  warn_of_misplaced(document.json(), "", "", document);
   if (const Json* required = find(&document.json(), "extensionsRequired")) {
     for (std::size_t i = 0; i < required->size(); ++i) {
       const auto name = (*required)[i].get<std::string>();

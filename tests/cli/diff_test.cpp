@@ -96,8 +96,18 @@ TEST_F(DiffTest, value_that_is_not_finite_is_counted_and_can_fail) {
   EXPECT_EQ(abbe({"diff", "a.exr", "b.exr", "--fail", "nonfinite=0"}).exit_code, 1);
 }
 
+TEST_F(DiffTest, images_of_different_sizes_are_an_error_that_names_both) {
+  Image small = flat(0.5f, 0.5f, 0.5f);
+  write_image("a.exr", small);
+  --small.height;
+  small.pixels.resize(small.pixels.size() - 3 * static_cast<std::size_t>(small.width));
+  write_image("b.exr", small);
+  const Outcome run = abbe({"diff", "a.exr", "b.exr"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_THAT(run.err, HasSubstr("a.exr against b.exr: found"));
+}
+
 TEST_F(DiffTest, bands_are_compared_each_and_together) {
-  // A single sample goes through the middle of its pixel whatever the seed.
   for (const char* seed : {"1", "2"}) {
     const Outcome run = abbe({"render", "scene.gltf", "-o", std::string(seed) + ".exr", "--seed",
                               seed, "--size", "16x12", "--spp", "2", "--bands", "400:700:100"});

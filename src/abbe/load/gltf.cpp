@@ -8,6 +8,7 @@
 #include <set>
 
 #include "abbe/base/error.h"
+#include "abbe/base/text.h"
 #include "abbe/load/gltf/document/accessors.h"
 #include "abbe/load/gltf/document/check.h"
 #include "abbe/load/gltf/document/document.h"
@@ -258,8 +259,8 @@ std::optional<int> chosen_scene(const Document& document, const tinygltf::Model&
       if (model.scenes[i].name == *options.scene_name) return static_cast<int>(i);
       names.push_back(model.scenes[i].name);
     }
-    throw_usage_error(document.file_name(), "no scene \"" + *options.scene_name + "\"",
-                      "a scene of the file", names);
+    throw_usage_error("scene", in_quotes(*options.scene_name), "a scene of " + document.file_name(),
+                      names);
   }
   if (const Json* scene = find(&document.json(), "scene")) return scene->get<int>();
   if (model.scenes.empty()) return std::nullopt;

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "abbe/base/error.h"
 #include "abbe/image/image.h"
 #include "abbe/render/render.h"
 #include "abbe/session/provenance.h"
@@ -13,6 +14,7 @@
 namespace abbe {
 
 /// The scene made ready to trace for these settings.
+/// Errors: as check_settings and abbe::make_lit_world of a scene.
 LitWorld make_lit_world(const PreparedScene& prepared, const RenderSettings& settings,
                         const Standards& standards, Notes& notes,
                         const DevelopmentOptions& development = {});

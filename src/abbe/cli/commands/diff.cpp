@@ -227,8 +227,14 @@ ExitCode run_diff(const DiffCommand& arguments) {
     keep_channels(reference.image, parse_names(arguments.channels), arguments.reference);
   }
   std::optional<ColorMaps> maps;
-  // Channels first: what is missing in one of the images is to be said, not passed over.
-  (void)difference_of(image.image, reference.image, std::nullopt);
+  try {
+    // Channels first: what is missing in one of the images is to be said, not passed over.
+    (void)difference_of(image.image, reference.image, std::nullopt);
+  } catch (const Error& error) {
+    ErrorDetail detail = error.detail();
+    if (detail.where.empty()) detail.where = arguments.image + " against " + arguments.reference;
+    throw Error(std::move(detail));
+  }
   if (rgb_channels(image.image)) {
     maps = color_maps(linear_rec709(image, arguments), linear_rec709(reference, arguments),
                       arguments.options);

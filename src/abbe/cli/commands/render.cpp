@@ -71,7 +71,12 @@ void check_render_arguments(RenderArguments& arguments) {
   check_exr_options(arguments.exr);
   check_outputs({arguments.outputs.begin(), arguments.outputs.end()});
   if (!arguments.stats_file.empty()) check_writable(arguments.stats_file);
-  if (!sorted_outputs(arguments.outputs).rasters.empty()) check_display(arguments.display.options);
+  // What is asked for is checked, even where nothing is shown.
+  const DisplayOptions &display = arguments.display.options, plain;
+  if (!sorted_outputs(arguments.outputs).rasters.empty() || display.config ||
+      display.display != plain.display || display.view != plain.view) {
+    check_display(display);
+  }
   if (arguments.color_space != kRenderSpace) {
     check_color_space(arguments.color_space, arguments.display.options);
   }

@@ -13,7 +13,7 @@ struct Field {
   std::string_view name, option;
 };
 
-constexpr std::array<Field, 33> kFields{{{"accelerator", "--accel"},
+constexpr std::array<Field, 34> kFields{{{"accelerator", "--accel"},
                                          {"adaptation", "--adaptation"},
                                          {"aovs", "--aov"},
                                          {"bands", "--bands"},
@@ -38,6 +38,7 @@ constexpr std::array<Field, 33> kFields{{{"accelerator", "--accel"},
                                          {"range_nm", "--range"},
                                          {"wavelengths.range_min_nm", "--range"},
                                          {"samples_per_pixel", "--spp"},
+                                         {"scene", "--scene"},
                                          {"size", "--size"},
                                          {"threads", "--threads"},
                                          {"tile_size", "--tiles"},

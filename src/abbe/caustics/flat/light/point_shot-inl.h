@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "abbe/caustics/flat/point_chain.h"
 #include "abbe/math/lanes-inl.h"
 #include "abbe/optics/snell-inl.h"
 #include "abbe/world/world.h"

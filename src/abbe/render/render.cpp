@@ -41,7 +41,7 @@ class SampleSource {
     const WavelengthQuadrature* quadrature = world_.lanes.quadrature();
     if (quadrature == nullptr) return 0;
     const auto at = static_cast<std::uint32_t>(in_sequence(index));
-    return quadrature->set_of(placed(wavelength_shift(at), at, kWavelengthDimension));
+    return quadrature->set_of(placed(wavelength_shift(at), kWavelengthDimension));
   }
 
   CameraSample sample(const Vec2i& pixel, std::uint32_t index,
@@ -53,8 +53,7 @@ class SampleSource {
                      static_cast<std::uint32_t>(at)};
     sample.u_fog = random_1d(sample.chance, kCameraPath, Purpose::Fog);
     const Vec2f u = random_2d(sample.chance, kCameraPath, Purpose::Film);
-    FilterSample place =
-        filter_.sample({placed(u.x, sample.chance.index, 0), placed(u.y, sample.chance.index, 1)});
+    FilterSample place = filter_.sample({placed(u.x, 0), placed(u.y, 1)});
     if (offset_px) place.offset_px = *offset_px;
     *weight = place.weight;
     sample.offset_px = place.offset_px;
@@ -70,15 +69,15 @@ class SampleSource {
            index;
   }
 
-  // The place in the finest stratum that the samples of a pixel can fill: for seed 0 the middle, a
-  // quadrature rule where light changes evenly across a pixel or a stratum of wavelengths; for
-  // others where the digits of the sequence beyond the stratum say, so that seeds together fill
-  // finer strata. A bound of the number of samples is enough; coarser strata, and so shorter
-  // prefixes, are filled as before.
-  float placed(float u, std::uint32_t at, int dimension) const {
-    const std::uint32_t within = (sobol(at, dimension) * strata_) ^ 0x80000000u;
+  // The place in the finest stratum that the samples of a pixel can fill: the same in all of them,
+  // so that they are evenly apart, a quadrature rule where light changes evenly across a pixel or
+  // a stratum of wavelengths. Seed 0 takes the middle, others go on from there, so that seeds
+  // together fill finer strata. A bound of the number of samples is enough; coarser strata, and so
+  // shorter prefixes, are filled as before.
+  float placed(float u, int dimension) const {
     const auto strata = static_cast<float>(strata_);
-    const float place = (std::floor(u * strata) + unit_float(within)) / strata;
+    const float within = unit_float(sobol(settings_.seed, dimension) ^ 0x80000000u);
+    const float place = (std::floor(u * strata) + within) / strata;
     return std::min(place, std::nextafter(1.0f, 0.0f));  // Rounding may reach 1.
   }
 

@@ -60,12 +60,11 @@ std::string spectra_hash(const Scene& scene, const DevelopmentOptions& developme
   Hash hash;
   hash.add(standards.observer);
   hash.add(standards.d65);
-  hash.add(development.observer);
-  if (development.white) {
-    for (const auto& [lamp, share] : development.white->lamps) {
-      hash.add(lamp);
-      hash.add(share);
-    }
+  hash.add(development.observer.value_or(standards.observer));
+  const White white = development.white.value_or(White{"", {{standards.d65, 1.0}}, {}});
+  for (const auto& [lamp, share] : white.lamps) {
+    hash.add(lamp);
+    hash.add(share);
   }
   for (const Light& light : scene.lights) hash.add(light.spectrum);
   for (const Material& material : scene.materials) {

@@ -109,7 +109,8 @@ class Validator {
               "a texture transform that is not finite", "a finite one");
     }
     for (int c = 0; c < 4; ++c) {
-      require(is_unit(m.base_color_rec709[c]), "a base colour outside its range", "0 to 1");
+      // Colours of wider gamuts have channels below 0 and above 1.
+      require(std::isfinite(m.base_color_rec709[c]), "a base colour that is not finite", "numbers");
     }
     require(is_unit(m.metallic), "metallic outside its range", "0 to 1");
     require(is_unit(m.roughness), "roughness outside its range", "0 to 1");
@@ -117,8 +118,8 @@ class Validator {
     require(m.alpha_cutoff >= 0.0f, "an alpha cutoff below 0", "at least 0");
     for (int c = 0; c < 3; ++c) {
       require(is_amount(m.emissive_rec709[c]), "an emission below 0 or not finite", "at least 0");
-      require(is_unit(m.attenuation_color_rec709[c]), "an attenuation colour outside its range",
-              "0 to 1");
+      require(std::isfinite(m.attenuation_color_rec709[c]),
+              "an attenuation colour that is not finite", "numbers");
     }
     require(m.attenuation_distance_m > 0.0, "an attenuation distance of 0 or less", "above 0");
     if (m.emission) {

@@ -338,6 +338,92 @@ TEST(WavelengthQuadrature, scene_without_lamps_is_sampled_for_equal_energy) {
   EXPECT_LT(worst_ratio(Eye(sets, Spectrum::constant(1.0)).mean(16, 5), exact), 1e-4);
 }
 
+// Bands of 2 nm, one of them 3 nm, three in one spectrum.
+Spectrum three_bands() {
+  return Spectrum::tabulated(
+      {448.9, 449.1, 450.9, 451.1, 543.9, 544.1, 546.9, 547.1, 610.2, 610.4, 612.2, 612.4},
+      {0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0}, OutsideTable::Clamp);
+}
+
+std::vector<float> shifts_of(int samples) {
+  std::vector<float> shifts;
+  for (int i = 0; i < samples; ++i) shifts.push_back(wavelength_shift(static_cast<unsigned>(i)));
+  return shifts;
+}
+
+TEST(WavelengthQuadrature, narrow_bands_have_their_colour_in_the_mean_of_a_pixel) {
+  const std::vector<Spectrum> filters{three_bands()};
+  for (const Spectrum& lamp : {data().d65, data().a, data().fl11}) {
+    const Vec3d exact = xyz_of(product(lamp, filters[0]), data().observer);
+    // Cells that the samples divide evenly: what light and observer vary over one of them, and the
+    // ripple of the corrections. Others overlap by parts of a cell.
+    for (const auto& [samples, tolerance] :
+         {std::pair{4, 0.05}, std::pair{16, 0.01}, std::pair{64, 0.01}, std::pair{10, 0.1}}) {
+      const std::vector<float> shifts = shifts_of(samples);
+      const WavelengthQuadrature sets({}, data().observer, std::vector<Spectrum>{lamp},
+                                      {narrow_bands(filters), shifts});
+      const std::vector<float> weights = sets.observer_weights(data().observer);
+      const std::vector<float> light = sets.tabulate_emission(lamp);
+      const std::vector<float> filter = sets.tabulate_reflectance(filters[0]);
+      Vec3d mean(0.0);
+      for (const float shift : shifts) {
+        const int set = sets.set_of(shift);
+        for (int channel = 0; channel < 3; ++channel) {
+          for (int lane = 0; lane < 16; ++lane) {
+            mean[channel] += double{weights[(set * 3 + channel) * 16 + lane]} *
+                             light[set * 16 + lane] * filter[set * 16 + lane] / samples;
+          }
+        }
+      }
+      EXPECT_LT(worst_ratio(mean, exact), tolerance) << samples;
+    }
+  }
+}
+
+TEST(WavelengthQuadrature, narrow_bands_leave_every_sample_of_white_its_colour) {
+  const std::vector<NarrowBand> bands = narrow_bands(std::vector<Spectrum>{three_bands()});
+  for (const Spectrum& lamp : {data().d65, data().a, data().fl11}) {
+    const WavelengthQuadrature sets({}, data().observer, std::vector<Spectrum>{lamp},
+                                    {bands, shifts_of(16)});
+    const Eye eye(sets, lamp);
+    const Vec3d exact = xyz_of(lamp, data().observer);
+    for (const float shift : shifts_of(16)) {
+      // What single precision and the regularisation leave.
+      EXPECT_LT(worst_ratio(eye.sample(sets.set_of(shift)), exact), 2e-6);
+    }
+  }
+}
+
+TEST(WavelengthQuadrature, each_of_a_few_narrow_bands_has_a_wavelength_of_every_set) {
+  const std::vector<NarrowBand> bands = narrow_bands(std::vector<Spectrum>{three_bands()});
+  ASSERT_EQ(bands.size(), 3u);
+  const WavelengthQuadrature sets({}, data().observer, std::vector<Spectrum>{data().d65},
+                                  {bands, shifts_of(16)});
+  for (int set = 0; set < sets.set_count(); ++set) {
+    const std::span<const float> nm = sets.wavelengths_nm(set);
+    for (const NarrowBand& band : bands) {
+      const auto within = std::count_if(nm.begin(), nm.end(), [&](float at_nm) {
+        return at_nm >= band.low_nm && at_nm <= band.high_nm;
+      });
+      EXPECT_EQ(within, 1) << set;
+    }
+  }
+}
+
+TEST(WavelengthQuadrature, without_narrow_bands_samples_and_reflectances_change_nothing) {
+  const WavelengthQuadrature plain = quadrature(16, {data().fl11});
+  const Spectrum step =
+      Spectrum::tabulated({360, 550, 550.1, 830}, {0, 0, 1, 1}, OutsideTable::Clamp);
+  const WavelengthQuadrature resolved({}, data().observer, std::vector<Spectrum>{data().fl11},
+                                      {narrow_bands(std::vector<Spectrum>{step}), shifts_of(16)});
+  for (int set = 0; set < plain.set_count(); ++set) {
+    EXPECT_TRUE(std::ranges::equal(plain.wavelengths_nm(set), resolved.wavelengths_nm(set)));
+    EXPECT_TRUE(std::ranges::equal(plain.weights_nm(set), resolved.weights_nm(set)));
+  }
+  EXPECT_EQ(plain.observer_weights(data().observer), resolved.observer_weights(data().observer));
+  EXPECT_EQ(resolved.tabulate_reflectance(step), plain.tabulate(step));
+}
+
 TEST(WavelengthQuadrature, options_out_of_bounds_are_usage_errors) {
   const std::vector<Spectrum> lamps{data().d65};
   const auto expect_usage_error = [&](const WavelengthOptions& options) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
 #include <chrono>
 #include <cmath>
 #include <mutex>
@@ -13,10 +12,10 @@
 #include "abbe/film/filter.h"
 #include "abbe/image/exr/exr.h"
 #include "abbe/math/random.h"
-#include "abbe/math/sampling.h"
 #include "abbe/render/agreement.h"
 #include "abbe/render/band_weights.h"
 #include "abbe/render/camera_rays.h"
+#include "abbe/render/sample_places.h"
 
 namespace abbe {
 namespace {
@@ -34,26 +33,24 @@ class SampleSource {
       : world_(world),
         settings_(settings),
         rays_(camera, settings.size),
-        filter_(Filter::named(settings.filter)),
-        strata_(std::bit_ceil(static_cast<std::uint32_t>(settings.samples_per_pixel))) {}
+        filter_(Filter::named(settings.filter)) {}
 
   int set_of(std::uint32_t index) const {
     const WavelengthQuadrature* quadrature = world_.lanes.quadrature();
     if (quadrature == nullptr) return 0;
-    const auto at = static_cast<std::uint32_t>(in_sequence(index));
-    return quadrature->set_of(placed(wavelength_shift(at), kWavelengthDimension));
+    return quadrature->set_of(placed_wavelength_shift(settings_, index));
   }
 
   CameraSample sample(const Vec2i& pixel, std::uint32_t index,
                       const std::optional<Vec2f>& offset_px, float* weight) const {
     CameraSample sample;
     sample.set = set_of(index);
-    const std::uint64_t at = in_sequence(index);
+    const std::uint64_t at = number_in_sequence(settings_, index);
     sample.chance = {pixel_chance(pixel, static_cast<std::uint32_t>(at >> 32)),
                      static_cast<std::uint32_t>(at)};
     sample.u_fog = random_1d(sample.chance, kCameraPath, Purpose::Fog);
     const Vec2f u = random_2d(sample.chance, kCameraPath, Purpose::Film);
-    FilterSample place = filter_.sample({placed(u.x, 0), placed(u.y, 1)});
+    FilterSample place = filter_.sample({placed(settings_, u.x, 0), placed(settings_, u.y, 1)});
     if (offset_px) place.offset_px = *offset_px;
     *weight = place.weight;
     sample.offset_px = place.offset_px;
@@ -62,30 +59,10 @@ class SampleSource {
   }
 
  private:
-  // A seed is a stretch of one sequence, as its samples would be in a render of many more; what
-  // passes its 32 bits scrambles the pixels.
-  std::uint64_t in_sequence(std::uint32_t index) const {
-    return std::uint64_t{settings_.seed} * static_cast<std::uint32_t>(settings_.samples_per_pixel) +
-           index;
-  }
-
-  // The place in the finest stratum that the samples of a pixel can fill: the same in all of them,
-  // so that they are evenly apart, a quadrature rule where light changes evenly across a pixel or
-  // a stratum of wavelengths. Seed 0 takes the middle, others go on from there, so that seeds
-  // together fill finer strata. A bound of the number of samples is enough; coarser strata, and so
-  // shorter prefixes, are filled as before.
-  float placed(float u, int dimension) const {
-    const auto strata = static_cast<float>(strata_);
-    const float within = unit_float(sobol(settings_.seed, dimension) ^ 0x80000000u);
-    const float place = (std::floor(u * strata) + within) / strata;
-    return std::min(place, std::nextafter(1.0f, 0.0f));  // Rounding may reach 1.
-  }
-
   const World& world_;
   const RenderSettings& settings_;
   CameraRays rays_;
   Filter filter_;
-  std::uint32_t strata_;
 };
 
 // Names of extra channels that are parts of the light, in the order of LightPart.

@@ -11,6 +11,7 @@
 #include "abbe/film/filter.h"
 #include "abbe/image/exr/exr.h"
 #include "abbe/render/render.h"
+#include "abbe/render/sample_places.h"
 
 namespace abbe {
 namespace {
@@ -21,6 +22,15 @@ void check_range(const char* field, double value, double low, double high) {
     throw_usage_error(field, fmt::format("{:.10g}", value),
                       fmt::format("a number from {:.10g} to {:.10g}", low, high));
   }
+}
+
+// Of all samples of a pixel.
+std::vector<float> wavelength_shifts(const RenderSettings& settings) {
+  std::vector<float> shifts;
+  for (int i = 0; i < settings.samples_per_pixel; ++i) {
+    shifts.push_back(placed_wavelength_shift(settings, static_cast<std::uint32_t>(i)));
+  }
+  return shifts;
 }
 
 void check_wavelengths(const RenderSettings& settings) {
@@ -84,6 +94,7 @@ WorldOptions world_options(const RenderSettings& settings) {
           .wavelengths = settings.wavelengths,
           .uplift = settings.uplift,
           .frozen = settings.frozen,
+          .shifts = wavelength_shifts(settings),
           .accelerator = settings.accelerator};
 }
 

@@ -7,7 +7,6 @@
 
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
-#include "abbe/spectrum/wavelength_density.h"
 
 namespace abbe {
 namespace {
@@ -110,6 +109,25 @@ std::vector<Spectrum> lamps_to_be_exact(std::span<const Spectrum> lamps, const S
   return result;
 }
 
+// Of narrow bands, what lies in the range and can be seen.
+std::vector<NarrowBand> bands_to_resolve(std::span<const NarrowBand> bands, const Spectrum& mix,
+                                         const Observer& observer, double range_min_nm,
+                                         double range_max_nm) {
+  constexpr double kLeastSeen = 0.01;  // Of tristimulus curves whose sum reaches 2.
+  std::vector<NarrowBand> result;
+  for (const NarrowBand& whole : bands) {
+    const NarrowBand band{std::max(whole.low_nm, range_min_nm),
+                          std::min(whole.high_nm, range_max_nm)};
+    const double nm = 0.5 * (band.low_nm + band.high_nm);
+    const double seen =
+        observer.x_bar.value(nm) + observer.y_bar.value(nm) + observer.z_bar.value(nm);
+    if (band.low_nm < band.high_nm && seen > kLeastSeen && mix.value(nm) > 0.0) {
+      result.push_back(band);
+    }
+  }
+  return result;
+}
+
 std::size_t nearest(const std::vector<double>& sorted, double value) {
   const auto above = std::lower_bound(sorted.begin(), sorted.end(), value);
   if (above == sorted.begin()) return 0;
@@ -122,7 +140,8 @@ std::size_t nearest(const std::vector<double>& sorted, double value) {
 
 WavelengthQuadrature::WavelengthQuadrature(const WavelengthOptions& options,
                                            const Observer& observer,
-                                           std::span<const Spectrum> lamps)
+                                           std::span<const Spectrum> lamps,
+                                           const ResolvedBands& resolved)
     : range_min_nm_(options.range_min_nm), range_max_nm_(options.range_max_nm) {
   check(options);
 
@@ -147,6 +166,23 @@ WavelengthQuadrature::WavelengthQuadrature(const WavelengthOptions& options,
   const Spectrum mix = lamp_mix(lamps, observer);
   exact_lamps_ = lamps_to_be_exact(lamps, mix, observer, continuous_count_);
   const WavelengthDensity density(mix, observer, range_min_nm_, range_max_nm_);
+  bands_ = bands_to_resolve(resolved.bands, mix, observer, range_min_nm_, range_max_nm_);
+  const std::size_t lanes_for_bands =
+      std::min(bands_.size(), static_cast<std::size_t>(continuous_count_) / 4);
+  if (lanes_for_bands == 0) {
+    bands_.clear();
+    place_lanes(options, density);
+    return;
+  }
+  const WavelengthDensity with_bands =
+      density.with_bands(bands_, static_cast<double>(lanes_for_bands) / continuous_count_);
+  place_lanes(options, with_bands);
+  smooth_density_ = density;
+  set_cells(with_bands, resolved.shifts);
+}
+
+void WavelengthQuadrature::place_lanes(const WavelengthOptions& options,
+                                       const WavelengthDensity& density) {
   for (int set = 0; set < set_count_; ++set) {
     const double shift = (set + 0.5) / kShiftCount;
     double wavelength_nm = range_min_nm_;
@@ -170,6 +206,33 @@ WavelengthQuadrature::WavelengthQuadrature(const WavelengthOptions& options,
       }
       wavelengths_nm_.push_back(static_cast<float>(wavelength_nm));
       weights_nm_.push_back(static_cast<float>(weight_nm));
+    }
+  }
+}
+
+// Sets in the order of their shifts divide every stratum into parts, one for each sample that has
+// them: equal weights, whatever the number of samples. A set of no sample stands for itself alone.
+void WavelengthQuadrature::set_cells(const WavelengthDensity& density,
+                                     std::span<const float> shifts) {
+  std::vector<int> uses(static_cast<std::size_t>(set_count_), 0);
+  for (const float shift : shifts) ++uses[static_cast<std::size_t>(set_of(shift))];
+  const auto samples = static_cast<double>(shifts.size());
+  cells_.resize(wavelengths_nm_.size());
+  int before = 0;
+  for (int set = 0; set < set_count_; ++set) {
+    const int own = uses[static_cast<std::size_t>(set)];
+    const double low = own > 0 ? before / samples : 0.0;
+    const double high = own > 0 ? (before + own) / samples : 1.0;
+    before += own;
+    for (int lane = 0; lane < continuous_count_; ++lane) {
+      const auto i = static_cast<std::size_t>(set * lane_stride_ + lane);
+      const Cell cell{density.quantile((lane + low) / continuous_count_),
+                      density.quantile((lane + high) / continuous_count_)};
+      cells_[i] = cell;
+      // What varies as the density does but for its bands is integrated over the cell.
+      weights_nm_[i] = static_cast<float>(
+          (smooth_density_->share_below(cell.high_nm) - smooth_density_->share_below(cell.low_nm)) /
+          (high - low) / smooth_density_->value(double{wavelengths_nm_[i]}));
     }
   }
 }
@@ -200,6 +263,17 @@ std::vector<float> WavelengthQuadrature::tabulate(
   result.reserve(wavelengths_nm_.size());
   for (const float wavelength_nm : wavelengths_nm_) {
     result.push_back(static_cast<float>(quantity(wavelength_nm)));
+  }
+  return result;
+}
+
+std::vector<float> WavelengthQuadrature::tabulate_reflectance(const Spectrum& reflectance) const {
+  std::vector<float> result = tabulate(reflectance);
+  if (reflectance.table_points_nm().empty()) return result;
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    if (kinds_[i % static_cast<std::size_t>(lane_stride_)] != LaneKind::Continuous) continue;
+    result[i] =
+        static_cast<float>(smooth_density_->mean(reflectance, cells_[i].low_nm, cells_[i].high_nm));
   }
   return result;
 }

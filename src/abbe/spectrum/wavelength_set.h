@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "abbe/spectrum/observer.h"
 #include "abbe/spectrum/spectrum.h"
+#include "abbe/spectrum/wavelength_density.h"
 
 namespace abbe {
 
@@ -28,12 +30,25 @@ struct WavelengthOptions {
   std::vector<double> exact_nm = {};  ///< Not empty: these, and nothing else.
 };
 
+/// What the wavelengths of a scene have to resolve beside its lamps.
+struct ResolvedBands {
+  std::vector<NarrowBand> bands = {};  ///< Of the scene's spectra, by narrow_bands().
+  std::vector<float> shifts = {};      ///< Of the samples of a pixel, as set_of() takes them.
+};
+
 /// A family of wavelength sets that differ by their shift.
 ///
 /// The strata of a set have equal mass under a density made from the observer and the scene's
 /// lamps, mixed with the uniform one; set s takes the point at (i + shift(s))/N of each stratum.
 /// The shifts are kShiftCount equidistant ones. All pixels share the family, so that spectra are
 /// tabulated once per set (see rows) and never while rays are traced.
+///
+/// Where spectra of the scene have narrow bands, each is given the mass of one stratum, a quarter
+/// of all at most, so that about one lane of every set falls into each. A lane then stands for its
+/// cell, the part of its stratum that it has among the sets of a pixel's samples: its weight is the
+/// cell's, and tabulated reflectances are means over it. That makes the sum over a pixel's samples
+/// exact where light, observer and all but one reflectance change slowly over a cell, and converges
+/// with the number of samples where they do not.
 class WavelengthQuadrature {
  public:
   static constexpr int kShiftCount = 256;
@@ -41,7 +56,7 @@ class WavelengthQuadrature {
 
   /// `lamps` are the emission spectra of the scene, in any scale: each counts by its own luminance.
   WavelengthQuadrature(const WavelengthOptions& options, const Observer& observer,
-                       std::span<const Spectrum> lamps);
+                       std::span<const Spectrum> lamps, const ResolvedBands& resolved = {});
 
   /// Number of real lanes, and of lanes with padding: a multiple of 4 up to 8, then of 16.
   int lane_count() const { return lane_count_; }
@@ -79,12 +94,22 @@ class WavelengthQuadrature {
   /// Shape: set_count × lane_stride, set by set.
   std::vector<float> tabulate(const Spectrum& quantity) const;
   std::vector<float> tabulate(const std::function<double(double wavelength_nm)>& quantity) const;
+  /// A reflectance as it enters light linearly: the mean over a lane's cell, where lanes have
+  /// cells.
+  std::vector<float> tabulate_reflectance(const Spectrum& reflectance) const;
   /// An emission: its continuous part on Continuous and Exact lanes, its lines' strengths on the
   /// lanes of their wavelengths. A line on an Exact lane within 0.01 nm counts there with its full
   /// strength.
   std::vector<float> tabulate_emission(const Spectrum& emission) const;
 
  private:
+  /// What a lane stands for, an interval.
+  using Cell = NarrowBand;
+
+  void place_lanes(const WavelengthOptions& options, const WavelengthDensity& density);
+  /// With narrow bands: gives every continuous lane its cell, and the weight of that.
+  void set_cells(const WavelengthDensity& density, std::span<const float> shifts);
+
   int lane_count_ = 0;
   int lane_stride_ = 0;
   int set_count_ = 0;
@@ -95,6 +120,10 @@ class WavelengthQuadrature {
   std::vector<double> line_nm_;  ///< Of the line lanes, rising.
   std::vector<float> wavelengths_nm_;
   std::vector<float> weights_nm_;
+  std::vector<NarrowBand> bands_;  ///< Those that are resolved.
+  /// The density but for them, and the cells of the lanes of all sets: only with such bands.
+  std::optional<WavelengthDensity> smooth_density_;
+  std::vector<Cell> cells_;
 };
 
 }  // namespace abbe

@@ -57,7 +57,7 @@ void check_world_options(const WorldOptions& options) {
 }
 
 LaneModel::LaneModel(const WorldOptions& options, const Observer& observer, const Spectrum& d65,
-                     std::span<const Spectrum> lamps)
+                     std::span<const Spectrum> lamps, std::span<const Spectrum> filters)
     : mode_(options.mode),
       uplift_(options.uplift),
       frozen_(options.frozen),
@@ -92,7 +92,8 @@ LaneModel::LaneModel(const WorldOptions& options, const Observer& observer, cons
     }
     if (frozen_.contains(Cause::Lamps)) lamps_ = {d65_};
   }
-  quadrature_.emplace(options.wavelengths, observer, lamps_);
+  quadrature_.emplace(options.wavelengths, observer, lamps_,
+                      ResolvedBands{narrow_bands(filters), options.shifts});
   lane_count_ = copies_ * quadrature_->lane_count();
   lane_stride_ = copies_ == 1 ? quadrature_->lane_stride() : padded_count(lane_count_);
   set_count_ = quadrature_->set_count();
@@ -206,8 +207,8 @@ std::vector<float> LaneModel::reflectance(const Reflectance& value, Cause cause)
                              : rec709_of_reflectance(std::get<Spectrum>(value), film_observer_,
                                                      d65_, development_));
   }
-  return of_wavelengths(quadrature_->tabulate(color ? uplift_reflectance(uplift_, color->rgb_rec709)
-                                                    : std::get<Spectrum>(value)));
+  return of_wavelengths(quadrature_->tabulate_reflectance(
+      color ? uplift_reflectance(uplift_, color->rgb_rec709) : std::get<Spectrum>(value)));
 }
 
 std::vector<float> LaneModel::quantity(const Spectrum& value) const {

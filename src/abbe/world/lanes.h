@@ -35,7 +35,10 @@ struct WorldOptions {
   WavelengthOptions wavelengths;
   DevelopmentOptions development = {};
   Uplift uplift = Uplift::JakobHanika;
-  CauseSet frozen = {};                ///< Spectral mode only.
+  CauseSet frozen = {};  ///< Spectral mode only.
+  /// Of the wavelengths of a pixel's samples: they resolve narrow bands of reflectances best.
+  /// Others may be drawn.
+  std::vector<float> shifts = {};
   std::string accelerator = "kdtree";  ///< One of accelerator_names(). Never shapes the image.
 };
 
@@ -57,12 +60,12 @@ void check_world_options(const WorldOptions& options);
 class LaneModel {
  public:
   /// `observer` is that of photometry, CIE 1931: luminances are its. `d65` in any scale; `lamps`
-  /// are the scene's emission spectra (for the wavelength density).
+  /// are the scene's emission spectra, `filters` reflectances and transmittances that it has as
+  /// spectra (both for the wavelength density).
   /// Errors: as check_world_options; a usage Error where causes are frozen and three lanes per
-  /// wavelength are too many, or
-  ///         the film's observer has no channel basis.
+  ///         wavelength are too many, or the film's observer has no channel basis.
   LaneModel(const WorldOptions& options, const Observer& observer, const Spectrum& d65,
-            std::span<const Spectrum> lamps);
+            std::span<const Spectrum> lamps, std::span<const Spectrum> filters = {});
 
   Mode mode() const { return mode_; }
   Uplift uplift() const { return uplift_; }

@@ -1,11 +1,43 @@
 #include "abbe/world/world.h"
 
+#include <cmath>
 #include <utility>
+#include <variant>
 
 #include "abbe/accel/touching.h"
+#include "abbe/base/constants.h"
 
 namespace abbe {
 namespace {
+
+// The transmittance of a medium at the depth of mean absorption.
+Spectrum transmittance(const Spectrum& absorption_per_m) {
+  const double depth_m = (kRangeMax_nm - kRangeMin_nm) / integral(absorption_per_m);
+  const std::span<const double> nm = absorption_per_m.table_points_nm();
+  if (nm.empty() || !std::isfinite(depth_m)) return Spectrum::constant(1.0);
+  std::vector<double> values;
+  for (const double at_nm : nm)
+    values.push_back(std::exp(-absorption_per_m.value(at_nm) * depth_m));
+  return Spectrum::tabulated({nm.begin(), nm.end()}, std::move(values), OutsideTable::Clamp);
+}
+
+// The reflectances and transmittances of a scene that act as spectra and were given as such; what
+// RGB is uplifted to is smooth.
+std::vector<Spectrum> filter_spectra(const Scene& scene, const CauseSet& frozen) {
+  std::vector<Spectrum> filters;
+  for (const Material& material : scene.materials) {
+    if (material.reflectance && !frozen.contains(Cause::Reflectances)) {
+      filters.push_back(material.reflectance->spectrum);
+    }
+    if (material.absorption_per_m && !frozen.contains(Cause::Absorption)) {
+      filters.push_back(transmittance(*material.absorption_per_m));
+    }
+  }
+  if (scene.fog && !frozen.contains(Cause::Reflectances)) {
+    if (const auto* albedo = std::get_if<Spectrum>(&scene.fog->albedo)) filters.push_back(*albedo);
+  }
+  return filters;
+}
 
 std::vector<VisibilityMask> masks_of(const Geometry& geometry,
                                      const std::vector<SurfaceMaterial>& materials,
@@ -55,7 +87,8 @@ std::vector<float> touching_primitives(const Geometry& geometry,
 
 TabulatedScene tabulate(const Scene& scene, const WorldOptions& options, const Observer& observer,
                         const Spectrum& d65) {
-  LaneModel lanes(options, observer, d65, lamp_spectra(scene, d65));
+  LaneModel lanes(options, observer, d65, lamp_spectra(scene, d65),
+                  filter_spectra(scene, options.frozen));
   Rows rows(lanes.lane_stride());
   Materials materials = tabulate_materials(scene, lanes, rows);
   std::vector<WorldLight> lights = tabulate_lights(scene, lanes, rows);

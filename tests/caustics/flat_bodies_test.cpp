@@ -8,6 +8,7 @@
 
 #include "abbe/base/constants.h"
 #include "abbe/caustics/flat/bodies.h"
+#include "abbe/image/exr/exr.h"
 #include "abbe/math/polygon.h"
 #include "support/gems.h"
 #include "support/scene_builder.h"
@@ -191,6 +192,112 @@ TEST(FlatBodies, body_inside_one_of_higher_priority_is_not_there) {
   const FlatBodies flat = two_boxes({0.125, 0.125, 0.125}, {0.1, 0.2, 0}, notes, -1);
   ASSERT_EQ(flat.bodies.size(), 2u);
   EXPECT_EQ(flat.bodies[1].facet_count, 0u);
+}
+
+// Boxes of glass in one place, as triangles or exact ones, on a floor that shines.
+Scene boxes_in_one_place(const std::vector<double>& indices, bool first_is_mesh = true) {
+  Scene scene;
+  scene.name = "test";
+  test::add_square(scene, test::add(scene, test::matte(Vec3f(1.0f))), 20.0,
+                   test::translation({0, -1, 0}) * test::rotation({1, 0, 0}, -90.0));
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const std::uint32_t material = test::add(scene, test::glass(indices[i]));
+    const auto add = (i == 0) == first_is_mesh ? test::add_box_mesh : test::add_box;
+    add(scene, material, {0.5, 0.25, 0.5}, Mat4d(1.0));
+  }
+  scene.lights.push_back(test::directional_light({0, -1, 0}, 1000.0));
+  return scene;
+}
+
+TEST(FlatBodies, of_equal_bodies_in_one_place_the_one_of_the_last_primitives_is_there) {
+  // Exact shapes have their primitives after those of meshes.
+  for (const bool first_is_mesh : {true, false}) {
+    Notes notes;
+    const LitWorld world = world_of(boxes_in_one_place({1.5, 1.7}, first_is_mesh), notes);
+    ASSERT_EQ(world.caustics.flat.bodies.size(), 2u);
+    EXPECT_EQ(world.caustics.flat.bodies[0].facet_count, first_is_mesh ? 0u : 6u);
+    EXPECT_EQ(world.caustics.flat.bodies[1].facet_count, first_is_mesh ? 6u : 0u);
+    EXPECT_EQ(world.caustics.surface_is_exact[1], 1);
+    EXPECT_EQ(world.caustics.surface_is_exact[2], 1);
+  }
+}
+
+TEST(FlatBodies, equal_bodies_in_one_place_are_one_for_light_and_for_the_eye) {
+  RenderSettings settings = test::small_settings();
+  settings.wavelengths.exact_nm = {kLine_d_nm};
+  const auto brightness = [&](const std::vector<double>& indices, double eye_height_m) {
+    Scene scene = boxes_in_one_place(indices);
+    scene.cameras = {test::orthographic_camera({0, eye_height_m, 0}, {0, -1, 0}, 0.02, 0.02)};
+    return test::pixel(test::render(scene, settings).image, 4, 4,
+                       spectral_channel_name(kLine_d_nm));
+  };
+  for (const double eye_height_m : {-0.5, 0.5}) {  // Below the glass, and above it.
+    const double alone = brightness({1.7}, eye_height_m);
+    EXPECT_GT(alone, 0.0);
+    // Single precision.
+    EXPECT_NEAR(brightness({1.7, 1.7}, eye_height_m), alone, 1e-5 * alone);
+    EXPECT_NEAR(brightness({1.5, 1.7}, eye_height_m), alone, 1e-5 * alone);
+    EXPECT_NEAR(brightness({1.5, 1.7, 1.7}, eye_height_m), alone, 1e-5 * alone);
+  }
+}
+
+TEST(FlatBodies, body_hidden_in_another_does_not_stop_its_light) {
+  RenderSettings settings = test::small_settings();
+  settings.wavelengths.exact_nm = {kLine_d_nm};
+  const auto brightness = [&](bool has_hidden) {
+    Scene scene = boxes_in_one_place({1.5});
+    scene.cameras = {test::orthographic_camera({0, -0.5, 0}, {0, -1, 0}, 0.02, 0.02)};
+    Material hidden = test::glass(1.8);
+    hidden.priority = -1;
+    if (has_hidden) {
+      test::add_box_mesh(scene, test::add(scene, hidden), {0.25, 0.125, 0.25},
+                         test::translation({0, 0.125, 0}));
+    }
+    return test::pixel(test::render(scene, settings).image, 4, 4,
+                       spectral_channel_name(kLine_d_nm));
+  };
+  const double alone = brightness(false);
+  EXPECT_NEAR(brightness(true), alone, 1e-5 * alone);  // Single precision.
+}
+
+// Panes 4 mm thick with something between them, and a body far from both.
+FlatBodies panes_and_far_body(double gap_m, bool is_filled, double far_m) {
+  Notes notes;
+  Scene scene;
+  const auto add = [&](const Vec3d& half, const Vec3d& at) {
+    test::add_box_mesh(scene, test::add(scene, test::glass(1.5)), half, test::translation(at));
+  };
+  add({0.5, 0.002, 0.5}, {0, 0.002, 0});
+  add({0.5, 0.002, 0.5}, {0, 0.006 + gap_m, 0});
+  if (is_filled) add({0.5, 0.5 * gap_m, 0.5}, {0, 0.004 + 0.5 * gap_m, 0});
+  add({0.5, 0.5, 0.5}, {far_m, 0.5, 0});
+  return find_flat_bodies(scene, notes);
+}
+
+TEST(FlatBodies, far_body_does_not_change_what_is_in_contact) {
+  for (const double far_m : {2.0, 3000.0, 1e5}) {
+    EXPECT_EQ(panes_and_far_body(1e-3, false, far_m).facets.size(), 18u) << far_m;
+    const FlatBodies glued = panes_and_far_body(1e-5, true, far_m);
+    EXPECT_EQ(glued.facets.size(), 22u) << far_m;
+    EXPECT_NEAR(area_between(glued, 0, 2), 1.0, 1e-6) << far_m;  // Float corners.
+    EXPECT_NEAR(area_between(glued, 1, 2), 1.0, 1e-6) << far_m;
+  }
+}
+
+TEST(FlatBodies, faces_narrower_than_rounding_stay_on_their_body) {
+  // 5 µm at 100 m, where positions touch within 48 µm.
+  Notes notes;
+  Scene scene;
+  for (const double height : {2.5e-6, 0.500005}) {
+    test::add_box_mesh(scene, test::add(scene, test::glass(1.5)),
+                       {0.5, height < 0.1 ? 2.5e-6 : 0.5, 0.5},
+                       test::translation({100.0, height, 0}));
+  }
+  const FlatBodies flat = find_flat_bodies(scene, notes);
+  ASSERT_EQ(flat.bodies.size(), 2u);
+  std::size_t narrow = 0;
+  for (const Facet& facet : flat.facets) narrow += area_of(facet.corners) < 1e-5 ? 1 : 0;
+  EXPECT_EQ(narrow, 4u);
 }
 
 TEST(FlatBodies, bodies_that_go_through_each_other_are_left_to_straight_rays) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -15,7 +16,7 @@ namespace {
 
 using Polygon = std::vector<Vec3d>;
 
-// Faces within four roundings of single precision coincide.
+// Faces within four roundings of single precision coincide, of the larger of their coordinates.
 constexpr double kRounding = 4.0 * 0x1p-23;
 
 /// A closed box.
@@ -42,11 +43,14 @@ struct Box {
   }
 };
 
-Box box_of(const Polygon& polygon) {
+/// Where a facet or a body is, and what is so near it that it touches.
+struct Extent {
   Box box;
-  box.extend(polygon);
-  return box;
-}
+  double slack_m = 0.0;
+
+  double slack_with(const Extent& other) const { return std::max(slack_m, other.slack_m); }
+  bool touches(const Extent& other) const { return box.touches(other.box, slack_with(other)); }
+};
 
 bool holds(const std::vector<Facet>& facets, const Vec3d& point) {
   double turns = 0.0;
@@ -59,11 +63,25 @@ bool holds(const std::vector<Facet>& facets, const Vec3d& point) {
   return turns > 0.5;
 }
 
-double volume_of(const std::vector<Facet>& facets) {
-  double volume = 0.0;
-  for (const Facet& facet : facets) volume += facet.distance * area_of(facet.corners) / 3.0;
-  return volume;
-}
+/// A body as a whole.
+struct Whole {
+  Extent extent;
+  std::vector<Extent> facets;
+  double volume = 0.0, volume_slack = 0.0;
+
+  explicit Whole(const BodyFacets& body) {
+    for (const Facet& facet : body.facets) extent.box.extend(facet.corners);
+    extent.slack_m = kRounding * extent.box.largest();
+    for (const Facet& facet : body.facets) {
+      Extent& own = facets.emplace_back();
+      own.box.extend(facet.corners);
+      own.slack_m = body.is_exact_shape ? extent.slack_m : kRounding * own.box.largest();
+      const double area = area_of(facet.corners);
+      volume += facet.distance * area / 3.0;
+      volume_slack += own.slack_m * area;
+    }
+  }
+};
 
 Vec3d middle_of(const Polygon& polygon) {
   return std::accumulate(polygon.begin(), polygon.end(), Vec3d(0.0)) /
@@ -73,13 +91,7 @@ Vec3d middle_of(const Polygon& polygon) {
 class Arranger {
  public:
   explicit Arranger(std::vector<BodyFacets>& bodies) : bodies_(bodies) {
-    for (const BodyFacets& body : bodies_) {
-      Box& box = boxes_.emplace_back();
-      for (const Facet& facet : body.facets) box.extend(facet.corners);
-      volumes_.push_back(body.body.is_mirror ? 0.0 : volume_of(body.facets));
-      reach_ = std::max(reach_, box.largest());
-    }
-    slack_m_ = kRounding * reach_;
+    for (const BodyFacets& body : bodies_) wholes_.emplace_back(body);
   }
 
   std::vector<SharedSpace> run() {
@@ -87,12 +99,14 @@ class Arranger {
     for (std::size_t a = 0; a < bodies_.size(); ++a) {
       near_.clear();
       for (std::size_t b = 0; b < bodies_.size(); ++b) {
-        if (b != a && !bodies_[b].body.is_mirror && boxes_[a].touches(boxes_[b], slack_m_)) {
+        if (b != a && !bodies_[b].body.is_mirror && wholes_[a].extent.touches(wholes_[b].extent)) {
           near_.push_back(b);
         }
       }
       crossed_.assign(bodies_.size(), {});
-      for (const Facet& facet : bodies_[a].facets) add_pieces(a, facet, results[a]);
+      is_covered_ = !bodies_[a].body.is_mirror;
+      for (std::size_t i = 0; i < bodies_[a].facets.size(); ++i) add_pieces(a, i, results[a]);
+      bodies_[a].body.is_covered = is_covered_;
       for (const std::size_t b : near_) {
         if (crossed_[b].in && crossed_[b].out && !bodies_[a].body.is_mirror) tell(a, b);
       }
@@ -132,14 +146,16 @@ class Arranger {
         const bool known = std::any_of(troubles_.begin(), troubles_.end(),
                                        [&](const SharedSpace& t) { return t.body == b; });
         if (known || bodies_[b].body.is_mirror) continue;
-        if (!boxes_[b].touches(boxes_[body], slack_m_)) continue;
+        if (!wholes_[b].extent.touches(wholes_[body].extent)) continue;
         troubles_.push_back({b, "it touches " + bodies_[body].body.name});
       }
     }
     return std::move(troubles_);
   }
 
-  void add_pieces(std::size_t a, const Facet& facet, std::vector<Facet>& result) {
+  void add_pieces(std::size_t a, std::size_t number, std::vector<Facet>& result) {
+    const Facet& facet = bodies_[a].facets[number];
+    const Extent& extent = wholes_[a].facets[number];
     std::vector<Facet> ways{facet};
     if (bodies_[a].body.is_mirror) {
       Facet& back = ways.emplace_back(facet);
@@ -148,10 +164,11 @@ class Arranger {
       std::reverse(back.corners.begin(), back.corners.end());
     }
     std::vector<Polygon> pieces{facet.corners};
-    for (const std::size_t b : near_) pieces = cut(std::move(pieces), facet, bodies_[b].facets);
+    for (const std::size_t b : near_) pieces = cut(std::move(pieces), facet, extent, b);
     for (const Facet& way : ways) {
       std::vector<Side> sides;
-      for (const Polygon& piece : pieces) sides.push_back(side_of(a, way, middle_of(piece)));
+      for (const Polygon& piece : pieces)
+        sides.push_back(side_of(a, way, extent, middle_of(piece)));
       const bool is_one = std::equal(sides.begin() + 1, sides.end(), sides.begin());
       for (std::size_t i = 0; i < (is_one ? 1 : pieces.size()); ++i) {
         if (!sides[i].is_boundary) continue;
@@ -164,13 +181,18 @@ class Arranger {
     }
   }
 
-  Side side_of(std::size_t a, const Facet& facet, const Vec3d& middle) {
-    const Vec3d off = 2.0 * slack_m_ * facet.normal;
+  Side side_of(std::size_t a, const Facet& facet, const Extent& extent, const Vec3d& middle) {
     const bool is_mirror = bodies_[a].body.is_mirror;
     std::optional<std::size_t> front, back;
     if (!is_mirror) back = a;
     bool touches = false;
+    bool back_ends = false;
     for (const std::size_t b : near_) {
+      double slack_m = extent.slack_m;
+      for (const Extent& other : wholes_[b].facets) {
+        if (extent.touches(other)) slack_m = std::max(slack_m, other.slack_m);
+      }
+      const Vec3d off = 2.0 * slack_m * facet.normal;
       const bool is_before = holds(bodies_[b].facets, middle + off);
       const bool is_behind = holds(bodies_[b].facets, middle - off);
       crossed_[b].in |= is_before && is_behind;
@@ -181,17 +203,25 @@ class Arranger {
         front = b;
         touches = !is_behind;
       }
-      if (is_behind && (!back || is_inner(b, *back))) back = b;
+      if (is_behind && (!back || is_inner(b, *back))) {
+        back = b;
+        back_ends = !is_before;
+      }
     }
+    is_covered_ &= back_ends;
     if (is_mirror) return {true, number_of(front)};
     const bool is_twin = touches && *front < a;
     return {back == a && front != back && !is_twin, number_of(front)};
   }
 
-  // Which of two bodies that hold a place has it.
+  // Which of two bodies that hold a place has it. Of equal ones in one place that with the later
+  // primitives, as cross() has it for rays that enter both at once.
   bool is_inner(std::size_t a, std::size_t b) const {
     const int over = bodies_[a].body.priority - bodies_[b].body.priority;
-    return over != 0 ? over > 0 : volumes_[a] < volumes_[b];
+    if (over != 0) return over > 0;
+    const double larger = wholes_[a].volume - wholes_[b].volume;
+    if (std::abs(larger) > wholes_[a].volume_slack + wholes_[b].volume_slack) return larger < 0.0;
+    return std::pair(bodies_[a].is_exact_shape, a) > std::pair(bodies_[b].is_exact_shape, b);
   }
 
   static std::optional<std::uint32_t> number_of(const std::optional<std::size_t>& body) {
@@ -199,11 +229,13 @@ class Arranger {
     return static_cast<std::uint32_t>(*body);
   }
 
-  std::vector<Polygon> cut(std::vector<Polygon> pieces, const Facet& plane,
-                           const std::vector<Facet>& by) const {
-    const Box box = box_of(plane.corners);
-    for (const Facet& facet : by) {
-      if (!box.touches(box_of(facet.corners), slack_m_)) continue;
+  // Pieces of a facet, cut where the facets of a body begin.
+  std::vector<Polygon> cut(std::vector<Polygon> pieces, const Facet& plane, const Extent& extent,
+                           std::size_t body) const {
+    for (std::size_t f = 0; f < bodies_[body].facets.size(); ++f) {
+      const Facet& facet = bodies_[body].facets[f];
+      if (!extent.touches(wholes_[body].facets[f])) continue;
+      const double slack_m = extent.slack_with(wholes_[body].facets[f]);
       double low = std::numeric_limits<double>::infinity();
       double high = -low;
       for (const Vec3d& corner : facet.corners) {
@@ -211,16 +243,21 @@ class Arranger {
         low = std::min(low, height);
         high = std::max(high, height);
       }
+      const bool is_in_plane = low >= -slack_m && high <= slack_m;
+      const bool is_across = low < -slack_m && high > slack_m;
       std::vector<Polygon> next;
-      for (const Polygon& piece : pieces) {
-        if (low >= -slack_m_ && high <= slack_m_) {
-          cut_out(piece, facet, next);
-        } else if (low < -slack_m_ && high > slack_m_ && goes_through(piece, plane, facet)) {
-          keep(clipped(piece, facet.normal, facet.distance), next);
-          keep(clipped(piece, -facet.normal, -facet.distance), next);
-        } else {
-          next.push_back(piece);
+      for (Polygon& piece : pieces) {
+        std::vector<Polygon> parts;
+        if (is_in_plane) {
+          parts = cut_out(piece, facet, slack_m);
+        } else if (is_across && goes_through(piece, plane, facet, slack_m)) {
+          parts = {clipped(piece, facet.normal, facet.distance),
+                   clipped(piece, -facet.normal, -facet.distance)};
         }
+        std::erase_if(parts, [&](const Polygon& part) { return is_sliver(part, slack_m); });
+        // What would be nothing but slivers is thin itself, and stays.
+        if (parts.empty()) parts.push_back(std::move(piece));
+        std::move(parts.begin(), parts.end(), std::back_inserter(next));
       }
       pieces = std::move(next);
     }
@@ -228,22 +265,25 @@ class Arranger {
   }
 
   // The part of a piece that a facet in its plane covers, and what is left around it.
-  void cut_out(Polygon piece, const Facet& facet, std::vector<Polygon>& pieces) const {
+  static std::vector<Polygon> cut_out(Polygon piece, const Facet& facet, double slack_m) {
+    std::vector<Polygon> parts;
     for (std::size_t i = 0; i < facet.corners.size() && !piece.empty(); ++i) {
       const Vec3d& from = facet.corners[i];
       const Vec3d edge = facet.corners[(i + 1) % facet.corners.size()] - from;
       const double length = glm::length(edge);
-      if (!(length > slack_m_)) continue;
+      if (!(length > slack_m)) continue;
       const Vec3d outwards = glm::cross(edge, facet.normal) / length;
       const double at = glm::dot(outwards, from);
-      keep(clipped(piece, -outwards, -at), pieces);
+      parts.push_back(clipped(piece, -outwards, -at));
       piece = clipped(piece, outwards, at);
     }
-    keep(std::move(piece), pieces);
+    parts.push_back(std::move(piece));
+    return parts;
   }
 
   // Whether the line in which a facet meets the plane of a piece runs over the piece.
-  bool goes_through(const Polygon& piece, const Facet& plane, const Facet& facet) const {
+  static bool goes_through(const Polygon& piece, const Facet& plane, const Facet& facet,
+                           double slack_m) {
     Polygon line;
     for (std::size_t i = 0; i < facet.corners.size(); ++i) {
       const Vec3d& p = facet.corners[i];
@@ -264,25 +304,24 @@ class Arranger {
       if (rise < 0.0) end = std::min(end, -height / rise);
       if (rise == 0.0 && height < 0.0) return false;
     }
-    return (end - begin) * glm::length(along) > slack_m_;
+    return (end - begin) * glm::length(along) > slack_m;
   }
 
   // Slivers that rounding makes are no pieces.
-  void keep(Polygon piece, std::vector<Polygon>& pieces) const {
-    if (piece.size() < 3) return;
+  static bool is_sliver(const Polygon& piece, double slack_m) {
+    if (piece.size() < 3) return true;
     double around = 0.0;
     for (std::size_t i = 0; i < piece.size(); ++i) {
       around += glm::distance(piece[i], piece[(i + 1) % piece.size()]);
     }
-    if (area_of(piece) > 0.5 * slack_m_ * around) pieces.push_back(std::move(piece));
+    return area_of(piece) <= 0.5 * slack_m * around;
   }
 
   std::vector<BodyFacets>& bodies_;
-  std::vector<Box> boxes_;
-  std::vector<double> volumes_;
-  double reach_ = 0.0, slack_m_ = 0.0;
+  std::vector<Whole> wholes_;
   std::vector<std::size_t> near_;
   std::vector<Crossed> crossed_;
+  bool is_covered_ = false;
   std::vector<SharedSpace> troubles_;
 };
 

@@ -12,6 +12,7 @@ namespace abbe {
 struct BodyFacets {
   FlatBody body;
   std::vector<Facet> facets;
+  bool is_exact_shape = false;  ///< Not a mesh: its primitive comes after those of all meshes.
 };
 
 /// Why a body cannot be told from others.
@@ -21,7 +22,9 @@ struct SharedSpace {
 };
 
 /// Cuts facets where other bodies begin and notes the body before each piece. Of two closed bodies
-/// the inner one has the place. Where two of them touch there is one boundary, kept by the first;
+/// the inner one has the place, of equal ones in one place the last. Facets touch within 4 units in
+/// the last place of their own coordinates, as floats: what is elsewhere does not matter. Where two
+/// bodies touch there is one boundary, kept by the first;
 /// where a mirror touches glass, a gap of air is between them. Pieces that are no boundary go.
 /// Domain: facets of closed bodies point outwards; a mirror's are taken from both sides.
 /// Returns the bodies whose surfaces go through each other, and those that touch such a one: they

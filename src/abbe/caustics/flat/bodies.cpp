@@ -217,7 +217,7 @@ void add_instance(const Scene& scene, std::uint32_t number, Notes& notes, FlatBo
     }
   }
   if (outcome.trouble.empty()) {
-    bodies.push_back({body, std::move(outcome.facets)});
+    bodies.push_back({body, std::move(outcome.facets), shape != nullptr});
   } else {
     leave_out(found, body, outcome.trouble, notes);
   }

@@ -46,6 +46,7 @@ struct FlatBody {
   bool is_mirror = false;       ///< Opaque metal: it only reflects.
   bool is_convex = false;       ///< Straight lines inside meet no other facet.
   bool has_inclusions = false;  ///< Another object may lie in it or reach into it.
+  bool is_covered = false;      ///< It has no facets: those of bodies in its place stand for them.
 };
 
 /// All flat bodies of a scene, with their facets and faces in the order of the bodies.

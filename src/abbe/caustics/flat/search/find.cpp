@@ -80,7 +80,8 @@ FlatCaustics find_flat_caustics(const Scene& scene, const TabulatedScene& tables
   std::size_t crossings = 0;
   for (const FlatBody& body : flat.bodies) {
     if (!body.is_mirror) crossings += body.is_convex ? 2 : body.facet_count;
-    if (!body.is_mirror && body.facet_count > 0) result.surface_is_exact[body.instance] = 1;
+    const bool ends_light = body.facet_count > 0 || body.is_covered;
+    if (!body.is_mirror && ends_light) result.surface_is_exact[body.instance] = 1;
   }
   result.exceeds_chains = crossings > kMaxRefractions;
   result.parallel = std::move(found.parallel);

@@ -37,6 +37,47 @@ class BeamCones : public testing::Test {
   std::mt19937 random_{7};
 };
 
+TEST_F(BeamCones, a_cone_that_crosses_a_plane_holds_all_directions_that_do) {
+  const Vec3d n(0, 0, 1);
+  int across = 0;
+  for (int i = 0; i < 3000; ++i) {
+    BeamCone cone;
+    cone.axis = direction();
+    cone.angle_rad = uniform(0.0, kPi);
+    const BeamCone half = crossing(cone, n);
+    EXPECT_GT(half.axis.z, 0.0);
+    for (int k = 0; k < 100; ++k) {
+      const Vec3d d = direction_in(cone);
+      if (d.z <= 0.0) continue;
+      across += cone.axis.z < 0.0 ? 1 : 0;
+      ASSERT_GE(glm::dot(d, half.axis), std::cos(half.angle_rad) - 1e-9);
+    }
+  }
+  EXPECT_GT(across, 10000);
+}
+
+TEST_F(BeamCones, the_section_of_a_plane_holds_what_a_cone_meets_of_it) {
+  int met = 0;
+  for (int i = 0; i < 3000; ++i) {
+    BeamCone cone;
+    cone.axis = direction();
+    cone.angle_rad = uniform(0.0, kPi);
+    cone.radius_m = uniform(0.0, 0.5);
+    const double distance = uniform(-0.5, 2.0);
+    const auto section = plane_section(cone, {0, 0, 1}, distance);
+    for (int k = 0; k < 100; ++k) {
+      const Vec3d d = direction_in(cone);
+      const Vec3d from = cone.radius_m * direction();
+      const double t = (distance - from.z) / d.z;
+      if (d.z <= 0.0 || t < 0.0) continue;
+      ++met;
+      ASSERT_TRUE(section.has_value());
+      ASSERT_LE(glm::distance(from + t * d, section->center), section->radius_m + 1e-9);
+    }
+  }
+  EXPECT_GT(met, 10000);
+}
+
 TEST_F(BeamCones, no_direction_that_leaves_the_plane_is_steeper_than_the_largest_slope) {
   const Vec3d n(0, 0, 1);
   int finite_across_plane = 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "abbe/base/constants.h"
 #include "abbe/image/exr/exr.h"
@@ -89,6 +90,76 @@ TEST(LightPaths, lanes_of_a_render_get_the_light_of_the_paths_one_by_one) {
     }
   }
   EXPECT_GT(lit, 20);
+}
+
+// A lamp in a box of water over a block of glass, and a floor below.
+Scene lamp_in_water(const Vec3d& lamp) {
+  Scene scene;
+  test::add_square(scene, test::add(scene, test::matte(Vec3f(1.0f))), 20.0,
+                   test::translation({0, -0.6, 0}) * test::rotation({1, 0, 0}, -90.0));
+  test::add_box_mesh(scene, test::add(scene, test::glass(1.333)), {0.4, 0.4, 0.4}, Mat4d(1.0));
+  test::add_box_mesh(scene, test::add(scene, test::glass(1.5)), {0.2, 0.15, 0.2},
+                     test::translation({0, -0.05, 0}));
+  scene.lights.push_back(test::point_light(lamp, 1.0));
+  return scene;
+}
+
+// Irradiance at a place of that floor, from a render that sees it from the side.
+double rendered_irradiance(Scene scene, const Vec3d& place, const RenderSettings& settings) {
+  const Vec3d way = glm::normalize(Vec3d(0.0, -0.01, 1.0));
+  scene.cameras = {test::orthographic_camera(place - 2.0 * way, place, 1e-6, 1e-6)};
+  Scene bare;
+  bare.meshes = {scene.meshes.front()};
+  bare.materials = {scene.materials.front()};
+  bare.instances = {scene.instances.front()};
+  bare.lights = {test::point_light(place + Vec3d(0, 1, 0), 1.0)};
+  bare.cameras = scene.cameras;
+  const std::string channel = spectral_channel_name(kLine_d_nm);
+  const auto value = [&](const Scene& of) {
+    return static_cast<double>(test::pixel(test::render(of, settings).image, 4, 4, channel));
+  };
+  return value(scene) / value(bare);
+}
+
+RenderSettings settings_of_line(int inner_reflections) {
+  RenderSettings settings = test::small_settings();
+  settings.wavelengths.exact_nm = {kLine_d_nm};
+  settings.inner_reflections = inner_reflections;
+  return settings;
+}
+
+TEST(LightPaths, light_over_a_lamp_in_the_middle_is_the_same_on_all_sides) {
+  // The lamp's cones are wide on the block just below it, whose corners they share.
+  const Scene scene = lamp_in_water({0, 0.3, 0});
+  const RenderSettings settings = settings_of_line(0);
+  for (const auto& [u, v] : {std::pair(0.35, 0.11), std::pair(0.42, 0.05), std::pair(0.13, 0.08)}) {
+    const double first = rendered_irradiance(scene, {u, -0.6, v}, settings);
+    EXPECT_GT(first, 0.0);
+    for (const Vec3d& place : {Vec3d(-u, -0.6, v), Vec3d(u, -0.6, -v), Vec3d(-u, -0.6, -v),
+                               Vec3d(v, -0.6, u), Vec3d(v, -0.6, -u), Vec3d(-v, -0.6, -u)}) {
+      // Single precision, and a grazing exit that enlarges it.
+      EXPECT_NEAR(rendered_irradiance(scene, place, settings), first, 3e-4 * first);
+    }
+  }
+}
+
+TEST(LightPaths, light_of_a_lamp_in_water_is_that_of_the_paths_one_by_one) {
+  // Paths that would have to come back through a plane that they left are none.
+  const Scene scene = lamp_in_water({0.05, 0.3, 0.02});
+  const RenderSettings settings = settings_of_line(1);
+  const LitWorld world = test::make_world(scene, settings);
+  for (int i = 0; i < 9; ++i) {
+    const Vec3d place(-0.43 + 0.1 * i, -0.6, 0.04 * i - 0.17);
+    double expected = 0.0;
+    for (const LightChain& chain : chains_to_light(world, 0, place, 0)) {
+      for (const LightPath& path : chain.paths) {
+        if (path.lane == 0 && !path.is_blocked) expected -= path.irradiance * path.arrival.y;
+      }
+    }
+    EXPECT_GT(expected, 0.5);
+    // Single precision, and a grazing exit that enlarges it.
+    EXPECT_NEAR(rendered_irradiance(scene, place, settings), expected, 3e-4 * expected) << i;
+  }
 }
 
 }  // namespace

@@ -269,6 +269,7 @@ class PointChainLight {
       if (!solve_crossings(chain_, {n.data(), count_ + 1}, Vec3d(xs[k], ys[k], zs[k]), crossings)) {
         continue;
       }
+      if (!goes_ahead(chain_, crossings)) continue;
       us[k] = static_cast<float>(crossings[0].x);
       vs[k] = static_cast<float>(crossings[0].y);
       solved.set(k);

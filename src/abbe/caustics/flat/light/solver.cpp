@@ -220,6 +220,17 @@ bool solve_crossings(const PointChain& chain, std::span<const double> n, const V
   return false;
 }
 
+bool goes_ahead(const PointChain& chain, const Crossings& crossings) {
+  for (std::size_t k = 0; k + 1 < chain.crossings.size(); ++k) {
+    const UnfoldedFace& face = chain.faces[chain.crossings[k]];
+    const UnfoldedFace& next = chain.faces[chain.crossings[k + 1]];
+    const double side = chain.steps[chain.crossings[k]].event == ChainEvent::Enter ? -1.0 : 1.0;
+    const Vec3d offset = on_face(next, crossings[k + 1]) - on_face(face, crossings[k]);
+    if (!(side * glm::dot(face.normal, offset) > 0.0)) return false;
+  }
+  return true;
+}
+
 CrossingSlopes crossing_slopes(const PointChain& chain, std::span<const double> n,
                                std::span<const double> n_change, const Vec3d& place,
                                const Crossings& crossings) {

@@ -28,6 +28,10 @@ struct CrossingSlopes {
 bool solve_crossings(const PointChain& chain, std::span<const double> n, const Vec3d& place,
                      Crossings& crossings);
 
+/// Whether light that goes on over those crossings leaves each plane on its far side. The least
+/// path may turn back at one; light does not.
+bool goes_ahead(const PointChain& chain, const Crossings& crossings);
+
 /// Derivatives of the crossings of a path that solve_crossings found.
 /// Shape:  as there; n_change is the change of each index that counts as 1.
 CrossingSlopes crossing_slopes(const PointChain& chain, std::span<const double> n,

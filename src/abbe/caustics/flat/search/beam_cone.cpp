@@ -23,6 +23,22 @@ double refracted_angle(double angle_rad, double eta_ti) {
 
 }  // namespace
 
+BeamCone crossing(const BeamCone& cone, const Vec3d& normal) {
+  constexpr double kLeast = 1e-6;
+  const double along = glm::dot(cone.axis, normal);
+  if (along >= kLeast) return cone;
+  BeamCone result = cone;
+  if (cone.angle_rad >= kRightAngle) {
+    result.axis = normal;
+    result.angle_rad = kRightAngle;
+    return result;
+  }
+  // An axis that is turned to the nearest direction of the half space is nearer to all of that.
+  result.axis = glm::normalize(cone.axis + (kLeast - along) * normal);
+  result.angle_rad += kLeast;
+  return result;
+}
+
 AngleRange angles_with(const BeamCone& cone, const Vec3d& normal) {
   const double angle = angle_between(cone.axis, normal);
   const double acute = std::min(angle, kPi - angle);
@@ -73,11 +89,9 @@ std::optional<BeamCone> refracted_cone(const BeamCone& cone, const Vec3d& normal
 
 std::optional<ConeSection> plane_section(const BeamCone& cone, const Vec3d& normal,
                                          double distance) {
-  const Vec3d ahead = glm::dot(cone.axis, normal) > 0.0 ? normal : -normal;
-  const double height =
-      (glm::dot(cone.axis, normal) > 0.0 ? distance : -distance) - glm::dot(ahead, cone.center);
+  const double height = distance - glm::dot(normal, cone.center);
   if (height < -cone.radius_m) return std::nullopt;
-  const double angle = angle_between(cone.axis, ahead);
+  const double angle = angle_between(cone.axis, normal);
   const double steepest = angle + cone.angle_rad;
   const double slope = std::tan(std::min(angle, kRightAngle - 1e-9));
   ConeSection result;

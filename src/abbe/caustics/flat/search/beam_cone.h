@@ -16,6 +16,9 @@ struct BeamCone {
   double angle_rad = 0.0;
 };
 
+/// A cone about all directions of another that cross a plane along its normal: its own axis does.
+BeamCone crossing(const BeamCone& cone, const Vec3d& normal);
+
 /// The angles with a normal that directions of a cone can have.
 /// Domain: of the smaller of the two angles between line and normal; high at most π/2.
 struct AngleRange {
@@ -29,8 +32,8 @@ AngleRange angles_with(const BeamCone& cone, const Vec3d& normal);
 std::optional<BeamCone> refracted_cone(const BeamCone& cone, const Vec3d& normal, double eta_ti_low,
                                        double eta_ti_high);
 
-/// A ball about all that a cone meets of a plane n·x = distance ahead of it; nothing where it meets
-/// none of it, and a ball of infinite radius where rays nearly graze it.
+/// A ball about all that a cone meets of a plane n·x = distance, coming to it along n; nothing
+/// where it meets none of it, and a ball of infinite radius where rays nearly graze it.
 struct ConeSection {
   Vec3d center{0.0};  ///< In the plane, where the axis meets it.
   double radius_m = 0.0;

@@ -109,14 +109,17 @@ class Searcher {
     return cone;
   }
 
-  static std::pair<std::vector<Vec3d>, std::vector<Vec3d>> halves(const std::vector<Vec3d>& polygon,
-                                                                  const Vec3d& center) {
-    Vec3d longest(0.0);
-    for (const Vec3d& corner : polygon) {
-      if (glm::length(corner - center) > glm::length(longest)) longest = corner - center;
+  static std::pair<std::vector<Vec3d>, std::vector<Vec3d>> halves(
+      const std::vector<Vec3d>& polygon) {
+    // Across the line between the two corners that are farthest apart: both parts are shorter.
+    std::pair<Vec3d, Vec3d> ends(polygon[0], polygon[0]);
+    for (const Vec3d& p : polygon) {
+      for (const Vec3d& q : polygon) {
+        if (glm::distance(p, q) > glm::distance(ends.first, ends.second)) ends = {p, q};
+      }
     }
-    const Vec3d along = glm::normalize(longest);
-    const double middle = glm::dot(along, center);
+    const Vec3d along = glm::normalize(ends.second - ends.first);
+    const double middle = 0.5 * glm::dot(along, ends.first + ends.second);
     return {clipped(polygon, along, middle), clipped(polygon, -along, -middle)};
   }
 
@@ -140,7 +143,7 @@ class Searcher {
               cone.radius_m > 0.02 * body_radius_m_;
     }
     if (again) {
-      const auto [a, b] = halves(polygon, cone.center);
+      const auto [a, b] = halves(polygon);
       cut(a, start, cuts + 1);
       cut(b, start, cuts + 1);
       return;
@@ -151,11 +154,12 @@ class Searcher {
 
   // The cone behind the face of a node, where it has come, and from there on. `share` bounds the
   // irradiance that it has kept.
-  void arrive(const BeamCone& cone, std::uint32_t number, double share) {
+  void arrive(const BeamCone& incoming, std::uint32_t number, double share) {
     const PathNode& node = tree_.nodes[number];
     const Facet& plane = plane_of(node.place);
     const FacetMedia media = search_.media_of(plane);
     const bool from_inside = comes_from_inside(node.event);
+    const BeamCone cone = crossing(incoming, from_inside ? plane.normal : -plane.normal);
     BeamCone behind = cone;
     double kept = share;
     if (refracts(node.event)) {
@@ -182,7 +186,7 @@ class Searcher {
       const bool inside = comes_from_inside(next.event);
       const double cosine = glm::dot(plane_of(next.place).normal, behind.axis);
       if ((inside ? cosine : -cosine) <= -std::sin(std::min(behind.angle_rad, 0.5 * kPi))) continue;
-      if (const auto arrived = arrival(behind, next.place)) arrive(*arrived, child, kept);
+      if (const auto arrived = arrival(behind, next.place, inside)) arrive(*arrived, child, kept);
     }
     path_.pop_back();
     axes_.pop_back();
@@ -237,10 +241,12 @@ class Searcher {
   }
 
   // The cone where it arrives at a face; nothing if it misses it.
-  std::optional<BeamCone> arrival(const BeamCone& cone, std::uint32_t face) const {
+  std::optional<BeamCone> arrival(const BeamCone& cone, std::uint32_t face,
+                                  bool from_inside) const {
     const Face& shape = flat_.faces[face];
     const Facet& plane = plane_of(face);
-    const auto spot = plane_section(cone, plane.normal, plane.distance);
+    const auto spot = plane_section(cone, from_inside ? plane.normal : -plane.normal,
+                                    from_inside ? plane.distance : -plane.distance);
     if (!spot) return std::nullopt;
     BeamCone arrived = cone;
     if (!(spot->radius_m < 1e30)) {

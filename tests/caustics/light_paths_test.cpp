@@ -128,6 +128,31 @@ RenderSettings settings_of_line(int inner_reflections) {
   return settings;
 }
 
+TEST(LightPaths, small_bright_spot_under_a_prism_and_a_slab_is_found) {
+  // Its light is 0.0007 of what falls on the glass, and half of what falls on that place.
+  Scene scene;
+  test::add_square(scene, test::add(scene, test::matte(Vec3f(1.0f))), 20.0,
+                   test::translation({0, -1, 0}) * test::rotation({1, 0, 0}, -90.0));
+  Shape prism;
+  const double length = std::hypot(0.43, 0.25);
+  const double x = 0.43 / length;
+  const double y = 0.25 / length;
+  prism.geometry = ConvexShape{{{0, -1, 0, 0},
+                                {x, y, 0, 0.25 * x},
+                                {-x, y, 0, 0.25 * x},
+                                {0, 0, 1, 0.25},
+                                {0, 0, -1, 0.25}}};
+  test::add_shape(scene, prism, test::add(scene, test::glass(1.5)), Mat4d(1.0));
+  test::add_box_mesh(scene, test::add(scene, test::glass(1.7)), {0.3, 0.05, 0.3},
+                     test::translation({0, -0.15, 0}));
+  scene.lights.push_back(test::point_light({0.1, 1.1, 0.2}, 1.0));
+  RenderSettings settings = test::small_settings();
+  settings.wavelengths.exact_nm = {kLine_d_nm};
+  // By 6·10⁷ rays from the lamp in double precision; 0.11 without the spot.
+  const double irradiance = rendered_irradiance(scene, {-0.025, -1.0, 0.04375}, settings);
+  EXPECT_NEAR(irradiance, 0.320, 0.03 * 0.320);  // Twice the noise of 4000 rays.
+}
+
 TEST(LightPaths, light_over_a_lamp_in_the_middle_is_the_same_on_all_sides) {
   // The lamp's cones are wide on the block just below it, whose corners they share.
   const Scene scene = lamp_in_water({0, 0.3, 0});

@@ -22,11 +22,17 @@ constexpr std::size_t kMostSteps = 3000000;
 // More are sent while paths that only one of them took carry more of the light than this: what no
 // ray has found is about as much. Source: Good, The population frequencies of species and the
 // estimation of population parameters, Biometrika 40, 1953.
-constexpr double kUnknownShare = 0.002;
-// Paths that carry less of the light that falls on their first body are left out; of those that go
-// on without losing any to reflection at glass, all that matter at all.
+constexpr double kUnknownShare = 0.0002;
+// Paths that carry less of the light that falls on their first body are left out, of those that
+// keep more than kBright of their light a third of that, and of those that go on without losing any
+// to reflection at glass all that matter at all. The share is halved while more than kMostCut of
+// the light is left out, if that does not take too many steps of paths.
 constexpr double kLeastShare = 2e-4;
 constexpr double kLeastMainShare = 1e-7;
+constexpr double kBright = 0.01;
+constexpr double kBrightShare = 1.0 / 3.0;
+constexpr double kMostCut = 0.005;
+constexpr std::size_t kMostKept = 4000;
 
 /// A polygon that a lamp shines on.
 struct LitPolygon {
@@ -72,9 +78,26 @@ class PathFinder {
       for (const LitPolygon& polygon : lit_) send(polygon, first, last);
       if (steps_ > kMostSteps || unknown_share() < kUnknownShare) break;
     }
-    for (PathNode& node : tree_.nodes) node.flux /= rounds;
+    for (PathNode& node : tree_.nodes) {
+      node.flux /= rounds;
+      node.sent /= rounds;
+    }
     for (double& started : started_) started /= rounds;
-    return kept();
+    // Children come after their parents.
+    for (std::size_t i = tree_.nodes.size(); i-- > 1;) {
+      PathNode& node = tree_.nodes[i];
+      for (const std::uint32_t child : node.children) node.useful += tree_.nodes[child].useful;
+      if (search_.lights_places(node.region)) node.useful += node.flux;
+      node.useful = std::min(node.useful, node.flux);
+    }
+    PathTree result = kept(kLeastShare);
+    for (double least = 0.5 * kLeastShare;
+         result.cut > kMostCut * result.started && least > kLeastMainShare; least *= 0.5) {
+      PathTree more = kept(least);
+      if (more.nodes.size() > kMostKept) break;
+      result = std::move(more);
+    }
+    return result;
   }
 
  private:
@@ -189,6 +212,7 @@ class PathFinder {
       there.node = step(ray.node, side, event);
       PathNode& node = tree_.nodes[there.node];
       node.flux += ray_flux_ * there.power;
+      node.sent += ray_flux_;
       ++node.rays;
       pending_.push_back(there);
     };
@@ -236,30 +260,35 @@ class PathFinder {
     return is_parallel_ ? flat.facets[node.place].body : flat.faces[node.place].body;
   }
 
-  PathTree kept() const {
+  // The paths that carry at least a share of the light that falls on their first body.
+  PathTree kept(double least) const {
     PathTree kept;
     kept.nodes.resize(1);
     kept.nodes[0].region = tree_.nodes[0].region;
     for (const double started : started_) kept.started += started;
     for (const std::uint32_t child : tree_.nodes[0].children) {
-      keep(child, 0, true, started_[body_of(tree_.nodes[child])], kept);
+      keep(child, 0, true, least * started_[body_of(tree_.nodes[child])], kept);
     }
     return kept;
   }
 
-  // Adds a node and what follows of it, on a path of a body on which that light falls.
-  void keep(std::uint32_t from, std::uint32_t parent, bool is_main, double started,
+  // Adds a node and what follows of it, if it carries enough.
+  void keep(std::uint32_t from, std::uint32_t parent, bool is_main, double least,
             PathTree& kept) const {
     const PathNode& node = tree_.nodes[from];
     is_main &= refracts(node.event) || search_.flat.bodies[body_of(node)].is_mirror;
-    if (node.flux < (is_main ? kLeastMainShare : kLeastShare) * started) {
-      kept.cut += node.flux;
+    const double share = is_main                            ? kLeastMainShare / kLeastShare
+                         : node.flux >= kBright * node.sent ? kBrightShare
+                                                            : 1.0;
+    if (!(node.useful >= share * least && node.useful > 0.0)) {
+      kept.cut += node.useful;
       return;
     }
     const auto number = static_cast<std::uint32_t>(kept.nodes.size());
     kept.nodes[parent].children.push_back(number);
-    kept.nodes.push_back({node.place, node.event, node.region, node.flux, node.rays});
-    for (const std::uint32_t child : node.children) keep(child, number, is_main, started, kept);
+    kept.nodes.push_back(node);
+    kept.nodes.back().children.clear();
+    for (const std::uint32_t child : node.children) keep(child, number, is_main, least, kept);
   }
 
   const ChainSearch& search_;

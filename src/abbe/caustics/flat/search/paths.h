@@ -14,8 +14,10 @@ namespace abbe {
 struct PathNode {
   std::uint32_t place = 0;  ///< A facet or, of lamps, a face.
   ChainEvent event = ChainEvent::Enter;
-  Region region;      ///< In which light goes on.
-  double flux = 0.0;  ///< Light that took it: lumens over the intensity of the lamp.
+  Region region;        ///< In which light goes on.
+  double flux = 0.0;    ///< Light that took it: lumens over the intensity of the lamp.
+  double sent = 0.0;    ///< The same before it lost any on its way.
+  double useful = 0.0;  ///< Of it, what may light something, behind this step or later.
   std::uint32_t rays = 0;
   std::vector<std::uint32_t> children = {};
 };
@@ -24,14 +26,15 @@ struct PathNode {
 struct PathTree {
   std::vector<PathNode> nodes;
   double started = 0.0;  ///< Light that fell on facets.
-  double cut = 0.0;      ///< Of it, what took paths that are left out.
+  double cut = 0.0;      ///< Of it, what would have lit something on paths that are left out.
 
   /// The child of a node by what happens where; none: 0.
   std::uint32_t child(std::uint32_t node, std::uint32_t place, ChainEvent event) const;
 };
 
 /// Follows rays of a lamp over the facets, their light split at each; more of them until what lies
-/// on paths that none has taken is little. Keeps the paths that carry most light.
+/// on paths that none has taken is little. Keeps the paths that carry most light: as many as it
+/// takes to leave little out, if they are not too many.
 /// Shape:  places are facets of parallel light, faces otherwise.
 PathTree find_paths(const ChainSearch& search, const Light& light);
 

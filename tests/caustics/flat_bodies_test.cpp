@@ -57,7 +57,7 @@ void expect_fallback(const Scene& scene, const std::string& name, const std::str
 
 TEST(FlatBodies, closed_box_of_triangles_is_a_body_of_six_faces) {
   Notes notes;
-  const LitWorld world = world_of(box_scene(), notes);
+  const LitWorld world = world_of(box_scene(), notes, 16);
   EXPECT_TRUE(notes.all().empty());
   EXPECT_EQ(world.caustics.report.bodies, 1u);
   EXPECT_EQ(world.caustics.flat.faces.size(), 6u);
@@ -306,6 +306,23 @@ TEST(FlatBodies, bodies_that_go_through_each_other_are_left_to_straight_rays) {
   EXPECT_TRUE(flat.bodies.empty());
   ASSERT_EQ(flat.fallbacks.size(), 2u);
   EXPECT_THAT(flat.fallbacks[0], HasSubstr("go through those of"));
+}
+
+TEST(FlatBodies, many_bodies_left_to_straight_rays_get_one_warning) {
+  Scene scene;
+  const std::uint32_t material = test::add(scene, test::glass(1.5));
+  for (int i = 0; i < 3; ++i) {
+    for (const double x : {0.0, 0.35}) {
+      test::add_box_mesh(scene, material, {0.5, 0.5, 0.5},
+                         test::translation({x, 2.0 * i, 0.25 * x}));
+      scene.instances.back().name = "box";
+    }
+  }
+  Notes notes;
+  const FlatBodies flat = find_flat_bodies(scene, notes);
+  EXPECT_EQ(flat.fallbacks.size(), 6u);
+  ASSERT_EQ(notes.all().size(), 1u);
+  EXPECT_EQ(notes.all()[0].where, "6 bodies, e.g. box");
 }
 
 }  // namespace

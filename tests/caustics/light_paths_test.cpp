@@ -9,6 +9,7 @@
 #include "abbe/image/exr/exr.h"
 #include "abbe/integrate/light/light_paths.h"
 #include "abbe/optics/dispersion.h"
+#include "support/forward/photons.h"
 #include "support/scene_builder.h"
 
 namespace abbe {
@@ -166,6 +167,44 @@ TEST(LightPaths, light_over_a_lamp_in_the_middle_is_the_same_on_all_sides) {
       EXPECT_NEAR(rendered_irradiance(scene, place, settings), first, 3e-4 * first);
     }
   }
+}
+
+TEST(LightPaths, what_chains_leave_out_is_told_by_body_and_reason) {
+  // A lamp in the middle of a cube of index 1.5. What is farther than the critical angle from all
+  // normals never gets out, and does not count. Of the rest each face lets out a cone, but for what
+  // it reflects: that is left out without inner reflections.
+  Scene scene;
+  test::add_box_mesh(scene, test::add(scene, test::glass(1.5)), {0.2, 0.2, 0.2}, Mat4d(1.0));
+  scene.instances.back().name = "cube";
+  scene.lights.push_back(test::point_light({0, 0, 0}, 1.0));
+  const auto report = [&](int inner_reflections, Notes& notes) {
+    const RenderSettings settings = settings_of_line(inner_reflections);
+    return make_lit_world(scene, world_options(settings), caustic_options(settings),
+                          test::catalogue().observer(),
+                          test::catalogue().illuminant("illuminant/D65"), notes)
+        .caustics.report;
+  };
+  Notes none;
+  const CausticReport whole = report(16, none);
+  EXPECT_TRUE(none.all().empty());
+  EXPECT_LT(whole.share_cut, 0.01);
+  Notes notes;
+  const CausticReport cut = report(0, notes);
+  ASSERT_EQ(cut.by_body.size(), 1u);
+  EXPECT_NEAR(cut.by_body[0].started, 1.0, 1e-12);
+  // Six cones of 2π·dμ each, over 4π.
+  const double least = std::sqrt(1.0 - 1.0 / (1.5 * 1.5));
+  double reflected = 0.0;
+  constexpr int kSteps = 10000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double mu = least + (1.0 - least) * (i + 0.5) / kSteps;
+    reflected += 3.0 * test::interface_reflectance(mu, 1.5, 1.0) * (1.0 - least) / kSteps;
+  }
+  EXPECT_NEAR(cut.share_too_long, reflected, 0.03 * reflected);  // Of 8192 rays.
+  EXPECT_NEAR(cut.share_cut, reflected, 0.03 * reflected);
+  ASSERT_EQ(notes.all().size(), 1u);
+  EXPECT_EQ(notes.all()[0].kind, NoteKind::Warning);
+  EXPECT_NE(notes.all()[0].text.find("--chain"), std::string::npos);
 }
 
 TEST(LightPaths, light_of_a_lamp_in_water_is_that_of_the_paths_one_by_one) {

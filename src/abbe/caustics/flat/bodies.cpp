@@ -72,11 +72,27 @@ void finish(FlatBodies& found, FlatBody& body, std::vector<Facet> facets) {
   found.bodies.push_back(std::move(body));
 }
 
-void leave_out(FlatBodies& found, const FlatBody& body, const std::string& why, Notes& notes) {
-  notes.warn(body.name, (body.is_mirror ? "light of lamps that it reflects is left out: "
-                                        : "light through it goes straight: ") +
-                            why);
-  found.fallbacks.push_back(body.name + ": " + why);
+/// A body that is left to straight rays.
+struct LeftOut {
+  std::string name, why;
+  bool is_mirror = false;
+};
+
+// A word on each; where they are many, one on all of a kind.
+void tell(const std::vector<LeftOut>& left_out, bool of_mirrors, Notes& notes) {
+  constexpr std::size_t kFew = 2;
+  std::vector<const LeftOut*> bodies;
+  for (const LeftOut& body : left_out) {
+    if (body.is_mirror == of_mirrors) bodies.push_back(&body);
+  }
+  const bool is_few = bodies.size() <= kFew;
+  for (std::size_t i = 0; i < (is_few ? bodies.size() : 1); ++i) {
+    const LeftOut& body = *bodies[i];
+    notes.warn(is_few ? body.name : fmt::format("{} bodies, e.g. {}", bodies.size(), body.name),
+               (of_mirrors ? "light of lamps that it reflects is left out: "
+                           : "light through it goes straight: ") +
+                   body.why);
+  }
 }
 
 bool has_textured_film(const Material& material) {
@@ -184,7 +200,7 @@ MeshOutcome mesh_outcome(const Mesh& mesh, const MeshFacets& mesh_facets, bool i
 }
 
 // Adds an instance if it is a flat body.
-void add_instance(const Scene& scene, std::uint32_t number, Notes& notes, FlatBodies& found,
+void add_instance(const Scene& scene, std::uint32_t number, std::vector<LeftOut>& left_out,
                   std::vector<BodyFacets>& bodies) {
   const Instance& instance = scene.instances[number];
   const auto* mesh_number = std::get_if<std::uint32_t>(&instance.what);
@@ -219,7 +235,7 @@ void add_instance(const Scene& scene, std::uint32_t number, Notes& notes, FlatBo
   if (outcome.trouble.empty()) {
     bodies.push_back({body, std::move(outcome.facets), shape != nullptr});
   } else {
-    leave_out(found, body, outcome.trouble, notes);
+    left_out.push_back({body.name, outcome.trouble, body.is_mirror});
   }
 }
 
@@ -236,8 +252,8 @@ const Material& material_of(const Scene& scene, const Instance& instance) {
 
 // Leaves out bodies that may lie in a medium whose boundary is not flat, and marks those that
 // something reaches into or lies in; by boxes.
-void look_around(const Scene& scene, std::vector<BodyFacets>& bodies, Notes& notes,
-                 FlatBodies& found) {
+void look_around(const Scene& scene, std::vector<BodyFacets>& bodies,
+                 std::vector<LeftOut>& left_out) {
   std::vector<Box3d> boxes;
   std::vector<std::uint32_t> others;
   std::vector<bool> is_flat(scene.instances.size(), false);
@@ -252,7 +268,7 @@ void look_around(const Scene& scene, std::vector<BodyFacets>& bodies, Notes& not
     const auto around = std::find_if(others.begin(), others.end(),
                                      [&](std::uint32_t i) { return is_within(own, boxes[i]); });
     if (around != others.end() && !body.is_mirror) {
-      leave_out(found, body, "it may lie in " + scene.instances[*around].name, notes);
+      left_out.push_back({body.name, "it may lie in " + scene.instances[*around].name});
       return true;
     }
     for (std::size_t i = 0; i < boxes.size(); ++i) {
@@ -270,19 +286,23 @@ bool are_apart(const Box3d& a, const Box3d& b) {
 
 FlatBodies find_flat_bodies(const Scene& scene, Notes& notes) {
   FlatBodies found;
+  std::vector<LeftOut> left_out;
   std::vector<BodyFacets> bodies;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    add_instance(scene, i, notes, found, bodies);
+    add_instance(scene, i, left_out, bodies);
   }
-  look_around(scene, bodies, notes, found);
+  look_around(scene, bodies, left_out);
   for (auto troubles = arrange(bodies); !troubles.empty(); troubles = arrange(bodies)) {
     std::sort(troubles.begin(), troubles.end(),
               [](const auto& a, const auto& b) { return a.body > b.body; });
     for (const SharedSpace& trouble : troubles) {
-      leave_out(found, bodies[trouble.body].body, trouble.why, notes);
+      const FlatBody& body = bodies[trouble.body].body;
+      left_out.push_back({body.name, trouble.why, body.is_mirror});
       bodies.erase(bodies.begin() + static_cast<std::ptrdiff_t>(trouble.body));
     }
   }
+  for (const bool of_mirrors : {false, true}) tell(left_out, of_mirrors, notes);
+  for (const LeftOut& body : left_out) found.fallbacks.push_back(body.name + ": " + body.why);
   for (BodyFacets& body : bodies) finish(found, body.body, std::move(body.facets));
   return found;
 }

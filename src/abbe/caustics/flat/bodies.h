@@ -70,7 +70,7 @@ bool are_apart(const Box3d& a, const Box3d& b);
 /// touch become one facet where their union is convex. Meshes whose normals make flat triangles
 /// look curved are no flat bodies.
 /// Errors: none; a mesh that is open, meets itself or has more than kMaxFacets facets is left out,
-///         with one warning that names it.
+///         with one warning that names it, or of many one.
 FlatBodies find_flat_bodies(const Scene& scene, Notes& notes);
 
 }  // namespace abbe

@@ -22,10 +22,20 @@ struct CausticOptions {
   double cutoff = 1e-4;        ///< Chains whose weight stays below this are cut.
 };
 
+/// Light of lamps that falls first on a body, and what of it chains leave out that would have lit
+/// something. Units: lumens of one lamp over its intensity, or shares of the light on all bodies.
+struct BodyLight {
+  double started = 0.0;
+  double faint = 0.0;     ///< On paths that carry too little.
+  double too_long = 0.0;  ///< On paths with too many reflections or facets.
+};
+
 /// What was found and what was left out.
 struct CausticReport {
   std::size_t bodies = 0, facets = 0, chains = 0;
-  double share_cut = 0.0;  ///< Share of the light on facets that chains carry which were left out.
+  double share_cut = 0.0;              ///< Share of the light on facets that is left out.
+  double share_too_long = 0.0;         ///< The part of it on paths with too many reflections.
+  std::vector<BodyLight> by_body;      ///< Shares, in the order of FlatBodies::bodies.
   std::vector<std::string> fallbacks;  ///< As in FlatBodies.
 };
 

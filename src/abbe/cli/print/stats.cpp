@@ -67,11 +67,18 @@ nlohmann::json stats_json(const LitWorld& world, const Film& film, const RenderR
   json["energy_lost"] = {{"depth", share(stats.weight_lost_to_depth, stats.weight_started)},
                          {"cutoff", share(stats.weight_lost_to_cutoff, stats.weight_started)}};
   const CausticReport& caustics = world.caustics.report;
-  json["caustics"] = {{"bodies", caustics.bodies},
-                      {"facets", caustics.facets},
-                      {"chains", caustics.chains},
-                      {"share_cut", caustics.share_cut},
-                      {"straight", caustics.fallbacks}};
+  // Shares of the light of lamps that falls on flat bodies, each by the body it falls on first.
+  nlohmann::json by_body = nlohmann::json::array();
+  for (std::size_t b = 0; b < caustics.by_body.size(); ++b) {
+    const BodyLight& light = caustics.by_body[b];
+    by_body.push_back({{"name", world.caustics.flat.bodies[b].name},
+                       {"on_chains", light.started - light.faint - light.too_long},
+                       {"left_out_faint", light.faint},
+                       {"left_out_too_long", light.too_long}});
+  }
+  json["caustics"] = {{"bodies", caustics.bodies}, {"facets", caustics.facets},
+                      {"chains", caustics.chains}, {"share_cut", caustics.share_cut},
+                      {"by_body", by_body},        {"straight", caustics.fallbacks}};
   json["bytes"] = {{"geometry", world.geometry.bytes()},
                    {"accelerator", world.accelerator->bytes()},
                    {"chains", world.caustics.parallel.rows.capacity() * sizeof(float)},

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "abbe/caustics/flat/facet_optics.h"
 #include "abbe/caustics/flat/flat_caustics.h"
@@ -41,6 +42,7 @@ struct ChainSearch {
 struct ChainYield {
   double started = 0.0;  ///< Light that fell on facets; the unit depends on the kind of light.
   double cut = 0.0;      ///< The part of it on paths that are left out.
+  std::vector<BodyLight> by_body = {};
 };
 
 }  // namespace abbe

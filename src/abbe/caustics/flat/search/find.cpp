@@ -1,5 +1,7 @@
 #include "abbe/caustics/flat/search/find.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -14,12 +16,15 @@ struct FoundChains {
   ParallelChains parallel;
   PointChains point;
   double share_cut = 0.0;
+  double share_too_long = 0.0;
+  std::vector<BodyLight> by_body;
 };
 
 FoundChains find_chains(const Scene& scene, const ChainSearch& search) {
   FoundChains found;
   found.parallel.lane_stride = static_cast<std::size_t>(search.tables.lanes.lane_stride());
   found.parallel.set_count = static_cast<std::size_t>(search.tables.lanes.set_count());
+  found.by_body.resize(search.flat.bodies.size());
   double started = 0.0;
   double cut = 0.0;
   for (std::uint32_t number = 0; number < scene.lights.size(); ++number) {
@@ -30,9 +35,31 @@ FoundChains find_chains(const Scene& scene, const ChainSearch& search) {
     // Lux on square metres and candela in steradians are both lumens.
     started += yield.started * light.intensity;
     cut += yield.cut * light.intensity;
+    for (std::size_t b = 0; b < yield.by_body.size(); ++b) {
+      found.by_body[b].started += yield.by_body[b].started * light.intensity;
+      found.by_body[b].faint += yield.by_body[b].faint * light.intensity;
+      found.by_body[b].too_long += yield.by_body[b].too_long * light.intensity;
+    }
   }
-  found.share_cut = started > 0.0 ? cut / started : 0.0;
+  if (!(started > 0.0)) return found;
+  found.share_cut = cut / started;
+  for (BodyLight& body : found.by_body) {
+    body = {body.started / started, body.faint / started, body.too_long / started};
+    found.share_too_long += body.too_long;
+  }
   return found;
+}
+
+// Says how much light is left out, and why, if it is worth a word.
+void tell(const FoundChains& found, const CausticOptions& options, Notes& notes) {
+  constexpr double kWorthAWord = 0.01;
+  if (!(found.share_cut > kWorthAWord)) return;
+  notes.warn(
+      "", fmt::format("{:.1f} % of the light of lamps on flat glass and mirrors is left out: "
+                      "{:.1f} % takes paths with more than {} reflections (--chain takes "
+                      "more), {:.1f} % faint ones (a smaller --cutoff takes more)",
+                      100.0 * found.share_cut, 100.0 * found.share_too_long,
+                      options.inner_reflections, 100.0 * (found.share_cut - found.share_too_long)));
 }
 
 std::vector<Vec2d> index_ranges(const TabulatedScene& tables) {
@@ -70,11 +97,14 @@ FlatCaustics find_flat_caustics(const Scene& scene, const TabulatedScene& tables
   const Regions regions(result.flat);
   Obstacles obstacles(scene, result.flat);
   FoundChains found = find_chains(scene, {result.flat, regions, tables, options, obstacles});
+  tell(found, options, notes);
   const FlatBodies& flat = result.flat;
   result.report = {.bodies = flat.bodies.size(),
                    .facets = flat.facets.size(),
                    .chains = found.parallel.chains.size() + found.point.chains.size(),
                    .share_cut = found.share_cut,
+                   .share_too_long = found.share_too_long,
+                   .by_body = found.by_body,
                    .fallbacks = flat.fallbacks};
   if (flat.bodies.empty()) return result;
   std::size_t crossings = 0;

@@ -237,7 +237,7 @@ ChainYield add_parallel_chains(const ChainSearch& search, const Light& light, st
                                ParallelChains& chains) {
   const PathTree tree = find_paths(search, light);
   const double left_out = Builder(search, tree, light, number, chains).run();
-  return {tree.started, tree.cut + left_out};
+  return {tree.started, tree.cut + left_out, tree.by_body};
 }
 
 }  // namespace abbe

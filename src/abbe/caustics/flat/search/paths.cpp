@@ -32,7 +32,11 @@ constexpr double kLeastMainShare = 1e-7;
 constexpr double kBright = 0.01;
 constexpr double kBrightShare = 1.0 / 3.0;
 constexpr double kMostCut = 0.005;
-constexpr std::size_t kMostKept = 4000;
+constexpr double kMostKept = 4000.0;
+// All that is for this cutoff. Whoever asks for a smaller one gets as many times more.
+constexpr double kUsualCutoff = 1e-4;
+// Light that meets so many facets without being let out is trapped.
+constexpr int kTrappedSteps = 256;
 
 /// A polygon that a lamp shines on.
 struct LitPolygon {
@@ -51,7 +55,8 @@ class PathFinder {
         is_parallel_(is_parallel(light)),
         direction_(direction_of(light)),
         lamp_(light.to_world[3]),
-        started_(search.flat.bodies.size(), 0.0) {
+        by_body_(search.flat.bodies.size()),
+        ask_(std::clamp(search.options.cutoff / kUsualCutoff, 0.1, 1.0)) {
     const FlatBodies& flat = search.flat;
     face_of_.resize(flat.facets.size());
     for (std::uint32_t face = 0; face < flat.faces.size(); ++face) {
@@ -82,7 +87,7 @@ class PathFinder {
       node.flux /= rounds;
       node.sent /= rounds;
     }
-    for (double& started : started_) started /= rounds;
+    for (BodyLight& light : by_body_) light.started /= rounds;
     // Children come after their parents.
     for (std::size_t i = tree_.nodes.size(); i-- > 1;) {
       PathNode& node = tree_.nodes[i];
@@ -90,13 +95,15 @@ class PathFinder {
       if (search_.lights_places(node.region)) node.useful += node.flux;
       node.useful = std::min(node.useful, node.flux);
     }
-    PathTree result = kept(kLeastShare);
-    for (double least = 0.5 * kLeastShare;
-         result.cut > kMostCut * result.started && least > kLeastMainShare; least *= 0.5) {
+    PathTree result = kept(ask_ * kLeastShare);
+    for (double least = 0.5 * ask_ * kLeastShare;
+         result.cut > ask_ * kMostCut * result.started && least > kLeastMainShare; least *= 0.5) {
       PathTree more = kept(least);
-      if (more.nodes.size() > kMostKept) break;
+      if (static_cast<double>(more.nodes.size()) > kMostKept / ask_) break;
       result = std::move(more);
     }
+    result.cut = 0.0;
+    for (const BodyLight& light : result.by_body) result.cut += light.faint + light.too_long;
     return result;
   }
 
@@ -171,7 +178,9 @@ class PathFinder {
       if (!is_parallel_) flux /= length * length;
       ray_flux_ = flux / static_cast<double>(polygon.rays);
       wave_ = search_.wave((i * 7919) % search_.waves());
-      started_[facet.body] += ray_flux_;
+      first_body_ = facet.body;
+      is_counted_ = i < polygon.rays;
+      by_body_[first_body_].started += ray_flux_;
       arrive({place, direction, 1.0}, polygon.side);
       while (!pending_.empty()) {
         const RayState ray = pending_.back();
@@ -198,16 +207,22 @@ class PathFinder {
 
   void arrive(const RayState& ray, const FacetSide& side) {
     const Facet& facet = search_.flat.facets[side.facet];
-    if (ray.steps == static_cast<int>(kMaxChainSteps)) return;
     const FacetAnswer answer =
         answer_of(search_.tables, search_.media_of(facet), wave_, facet.normal, ray.direction);
+    if (ray.steps == static_cast<int>(kMaxChainSteps)) {
+      stop(ray, side, answer.transmitted, answer);
+      return stop(ray, side, answer.reflected, answer);
+    }
     RayState next = ray;
     next.facet = side.facet;
     ++next.steps;
     const auto go_on = [&](ChainEvent event, double share, const Vec3d& direction) {
       RayState there = next;
       there.power *= share;
-      if (there.power < search_.options.cutoff) return;
+      if (there.power < search_.options.cutoff) {
+        if (is_counted_) by_body_[first_body_].faint += ray_flux_ * there.power;
+        return;
+      }
       there.direction = direction;
       there.node = step(ray.node, side, event);
       PathNode& node = tree_.nodes[there.node];
@@ -221,11 +236,34 @@ class PathFinder {
       go_on(side.from_inside ? ChainEvent::ReflectInside : ChainEvent::ReflectOutside,
             answer.reflected, answer.reflected_direction);
       next.inner_reflections = ray.inner_reflections;
+    } else {
+      stop(ray, side, answer.reflected, answer);
     }
-    if (ray.refractions == static_cast<int>(kMaxRefractions)) return;
+    if (ray.refractions == static_cast<int>(kMaxRefractions)) {
+      return stop(ray, side, answer.transmitted, answer);
+    }
     ++next.refractions;
     go_on(side.from_inside ? ChainEvent::Leave : ChainEvent::Enter, answer.transmitted,
           answer.refracted_direction);
+  }
+
+  // Light that would go on, but has had all the facets that a chain may have. It counts if it would
+  // get out, or has.
+  void stop(RayState ray, FacetSide side, double share, FacetAnswer answer) {
+    if (!is_counted_ || !(share > 0.0)) return;
+    const double flux = ray_flux_ * ray.power * share;
+    const Region region = tree_.nodes[ray.node].region;
+    for (int i = 0; !(answer.transmitted > 0.0); ++i) {
+      ray.direction = answer.reflected_direction;
+      const auto hit = regions_.first_hit(region, ray.place, ray.direction, side.facet);
+      if (!hit || i == kTrappedSteps) return;
+      side = hit->side;
+      ray.place += hit->distance_m * ray.direction;
+      const Facet& facet = search_.flat.facets[side.facet];
+      answer =
+          answer_of(search_.tables, search_.media_of(facet), wave_, facet.normal, ray.direction);
+    }
+    by_body_[first_body_].too_long += flux;
   }
 
   // The child of a node, made where it is not there.
@@ -265,16 +303,18 @@ class PathFinder {
     PathTree kept;
     kept.nodes.resize(1);
     kept.nodes[0].region = tree_.nodes[0].region;
-    for (const double started : started_) kept.started += started;
+    kept.by_body = by_body_;
     for (const std::uint32_t child : tree_.nodes[0].children) {
-      keep(child, 0, true, least * started_[body_of(tree_.nodes[child])], kept);
+      BodyLight& light = kept.by_body[body_of(tree_.nodes[child])];
+      keep(child, 0, true, least * light.started, kept, light);
     }
+    for (const BodyLight& light : kept.by_body) kept.started += light.started;
     return kept;
   }
 
   // Adds a node and what follows of it, if it carries enough.
-  void keep(std::uint32_t from, std::uint32_t parent, bool is_main, double least,
-            PathTree& kept) const {
+  void keep(std::uint32_t from, std::uint32_t parent, bool is_main, double least, PathTree& kept,
+            BodyLight& light) const {
     const PathNode& node = tree_.nodes[from];
     is_main &= refracts(node.event) || search_.flat.bodies[body_of(node)].is_mirror;
     const double share = is_main                            ? kLeastMainShare / kLeastShare
@@ -282,13 +322,16 @@ class PathFinder {
                                                             : 1.0;
     if (!(node.useful >= share * least && node.useful > 0.0)) {
       kept.cut += node.useful;
+      light.faint += node.useful;
       return;
     }
     const auto number = static_cast<std::uint32_t>(kept.nodes.size());
     kept.nodes[parent].children.push_back(number);
     kept.nodes.push_back(node);
     kept.nodes.back().children.clear();
-    for (const std::uint32_t child : node.children) keep(child, number, is_main, least, kept);
+    for (const std::uint32_t child : node.children) {
+      keep(child, number, is_main, least, kept, light);
+    }
   }
 
   const ChainSearch& search_;
@@ -299,11 +342,14 @@ class PathFinder {
   std::vector<std::uint32_t> face_of_;
   std::vector<LitPolygon> lit_;
   PathTree tree_;
-  std::vector<double> started_;  ///< Per body, light that fell on it first.
+  std::vector<BodyLight> by_body_;  ///< By the body on which it fell first.
+  const double ask_;
   std::size_t steps_ = 0;
 
   // Of the ray at hand.
   double ray_flux_ = 0.0;
+  std::uint32_t first_body_ = 0;
+  bool is_counted_ = false;  ///< In the first round, what is left out is.
   Wave wave_;
   std::vector<RayState> pending_;
 };

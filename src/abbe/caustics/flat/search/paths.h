@@ -27,6 +27,7 @@ struct PathTree {
   std::vector<PathNode> nodes;
   double started = 0.0;  ///< Light that fell on facets.
   double cut = 0.0;      ///< Of it, what would have lit something on paths that are left out.
+  std::vector<BodyLight> by_body = {};
 
   /// The child of a node by what happens where; none: 0.
   std::uint32_t child(std::uint32_t node, std::uint32_t place, ChainEvent event) const;

@@ -264,7 +264,7 @@ ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::
     ++group.chain_count;
     chains.chains.push_back(std::move(chain));
   }
-  return {tree.started, tree.cut};
+  return {tree.started, tree.cut, tree.by_body};
 }
 
 void sort_point_chains(PointChains& all) {

@@ -25,14 +25,14 @@ struct ParallelChain : ChainPath {
   Vec3f bound_axis{0.0f, 0.0f, 1.0f};
   float bound_tan = 0.0f;  ///< Of its half angle.
   std::size_t side_count = 0;
-  /// In ParallelChains::rows: the weights of all sets, then the directions and sides of each; off
-  /// mirrors alone those of one set, which are those of all.
+  /// In ParallelChains::rows: the weights of all sets, then the directions and sides of each or,
+  /// where all wavelengths go the same way, of one.
   std::size_t rows = 0;
-  bool bends = true;  ///< It passes a refraction.
+  bool disperses = true;  ///< Wavelengths go different ways.
 
   std::size_t geometry_arrays() const { return 3 * steps.size() + 4 * side_count; }
   std::size_t array_count(std::size_t sets) const {
-    return sets + (bends ? sets : 1) * geometry_arrays();
+    return sets + (disperses ? sets : 1) * geometry_arrays();
   }
 };
 
@@ -83,7 +83,7 @@ struct ParallelChains {
   template <class Float>
   ParallelChainRows<Float> rows_of(Float* all, const ParallelChain& chain, std::size_t set) const {
     Float* first = all + chain.rows;
-    const std::size_t arrays = set_count + (chain.bends ? set * chain.geometry_arrays() : 0);
+    const std::size_t arrays = set_count + (chain.disperses ? set * chain.geometry_arrays() : 0);
     return {first + set * lane_stride, first + arrays * lane_stride, lane_stride,
             chain.steps.size()};
   }

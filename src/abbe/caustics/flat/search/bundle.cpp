@@ -24,14 +24,4 @@ void BundleSet::bound() {
   tan_spread = cosine > 0.1 ? std::sqrt(std::max(0.0, 1.0 - cosine * cosine)) / cosine : 1e30;
 }
 
-bool BundleSet::may_meet(const Facet& facet) const {
-  if (tan_spread > 1e29) return true;
-  const Vec3d v = facet.center - ball.center;
-  const double along = glm::dot(v, axis);
-  const double reach = ball.radius_m + facet.radius_m;
-  if (along < -reach) return false;
-  const double across = std::sqrt(std::max(0.0, glm::dot(v, v) - along * along));
-  return across <= reach * (1.0 + tan_spread) + std::max(along, 0.0) * tan_spread;
-}
-
 }  // namespace abbe

@@ -13,21 +13,21 @@ namespace abbe {
 struct Bundle {
   std::vector<Vec3d> polygon;  ///< Where it meets the facet; empty: nothing is left.
   Vec3d direction{0.0};        ///< Behind the facet.
-  double power = 0.0;          ///< Share of the power of its rays.
-  double weight = 0.0;         ///< Irradiance across the beam over the lamp's.
 };
 
 /// The bundles of all wavelengths behind a facet, and a cone that holds them, once bound() has made
 /// it.
 struct BundleSet {
-  std::vector<Bundle> bundles;
+  std::vector<Bundle> bundles;  ///< Of each wavelength, or one where all of them go the same way.
+  std::vector<double> weights;  ///< Per wavelength, irradiance across the beam over the lamp's.
   Ball ball;
   Vec3d axis{0.0, 0.0, 1.0};
   double tan_spread = 0.0;
 
+  bool is_one() const { return bundles.size() == 1; }
+  const Bundle& of(std::size_t wave) const { return bundles[is_one() ? 0 : wave]; }
   bool is_alive() const { return ball.radius_m > 0.0; }
   void bound();
-  bool may_meet(const Facet& facet) const;
 };
 
 }  // namespace abbe

@@ -12,6 +12,17 @@
 
 namespace abbe {
 
+/// What a material is to light of all wavelengths.
+struct MaterialRange {
+  double low = 1.0, high = 1.0;  ///< Of its index.
+  bool is_grey = true;           ///< A boundary to it does the same to all wavelengths.
+
+  bool disperses() const { return low < high; }
+};
+
+/// Of each material.
+std::vector<MaterialRange> material_ranges(const TabulatedScene& tables);
+
 /// Where chains are searched for, and how.
 struct ChainSearch {
   const FlatBodies& flat;
@@ -19,12 +30,19 @@ struct ChainSearch {
   const TabulatedScene& tables;
   const CausticOptions& options;
   Obstacles& obstacles;
+  std::vector<MaterialRange> ranges = material_ranges(tables);
 
   const FlatBody& body_of(const Facet& facet) const { return flat.bodies[facet.body]; }
   FacetMedia media_of(const Facet& facet) const {
     const SurfaceMaterial* outside = nullptr;
     if (facet.beyond) outside = &tables.materials[flat.bodies[*facet.beyond].material];
     return {&tables.materials[body_of(facet).material], outside};
+  }
+
+  /// Of a medium; air has none.
+  MaterialRange range_of(const SurfaceMaterial* medium) const {
+    if (medium == nullptr) return {};
+    return ranges[static_cast<std::size_t>(medium - tables.materials.data())];
   }
 
   /// Whether anything may be in a region that its light shows on.

@@ -26,10 +26,6 @@ constexpr int kMaxFurtherCuts = 4;
 // Of many faces, so many cones are sent at first in all.
 constexpr double kFirstCones = 16000.0;
 
-struct IndexRange {
-  double low = 1.0, high = 1.0;
-};
-
 class Searcher {
  public:
   Searcher(const ChainSearch& search, const PathTree& tree, const Light& light)
@@ -38,19 +34,7 @@ class Searcher {
         source_(light),
         tables_(search.tables),
         flat_(search.flat),
-        lamp_(light.to_world[3]) {
-    for (const SurfaceMaterial& material : tables_.materials) {
-      IndexRange range{std::numeric_limits<double>::infinity(), 0.0};
-      for (int set = 0; set < tables_.lanes.set_count(); ++set) {
-        for (int lane = 0; lane < tables_.lanes.lane_count(); ++lane) {
-          const double n = static_cast<double>(tables_.row(material.index, set)[lane]);
-          range.low = std::min(range.low, n);
-          range.high = std::max(range.high, n);
-        }
-      }
-      indices_.push_back(range);
-    }
-  }
+        lamp_(light.to_world[3]) {}
 
   std::vector<ConeOnPath> run() {
     for (const std::uint32_t child : tree_.nodes[0].children) {
@@ -91,11 +75,6 @@ class Searcher {
     return flat_.facets[flat_.faces[face].first_facet];
   }
   const FlatBody& body_of(std::uint32_t face) const { return flat_.bodies[flat_.faces[face].body]; }
-
-  IndexRange index_of(const SurfaceMaterial* medium) const {
-    return medium != nullptr ? indices_[static_cast<std::size_t>(medium - tables_.materials.data())]
-                             : IndexRange{};
-  }
 
   BeamCone cone_of(const std::vector<Vec3d>& polygon) const {
     const Ball ball = ball_about(polygon);
@@ -163,8 +142,8 @@ class Searcher {
     BeamCone behind = cone;
     double kept = share;
     if (refracts(node.event)) {
-      IndexRange before = index_of(media.outside);
-      IndexRange after = index_of(media.inside);
+      MaterialRange before = search_.range_of(media.outside);
+      MaterialRange after = search_.range_of(media.inside);
       if (from_inside) std::swap(before, after);
       const auto refracted =
           refracted_cone(cone, plane.normal, after.low / before.high, after.high / before.low);
@@ -197,8 +176,8 @@ class Searcher {
   double transmitted(const BeamCone& cone, const Facet& plane, const FacetMedia& media,
                      bool from_inside) const {
     const AngleRange range = angles_with(cone, plane.normal);
-    const IndexRange inside = index_of(media.inside);
-    const IndexRange outside = index_of(media.outside);
+    const MaterialRange inside = search_.range_of(media.inside);
+    const MaterialRange outside = search_.range_of(media.outside);
     const double n = (inside.low + inside.high) / (outside.low + outside.high);
     const double eta = from_inside ? 1.0 / n : n;
     // Where cosθ_t goes to 0, τ·cosθ_i/cosθ_t goes to at most 2(n + 1/n).
@@ -280,7 +259,6 @@ class Searcher {
   const TabulatedScene& tables_;
   const FlatBodies& flat_;
   const Vec3d lamp_;
-  std::vector<IndexRange> indices_;
   std::vector<Start> starts_;
   int max_cuts_ = kMaxCuts;
 

@@ -31,12 +31,15 @@ class Builder {
 
   // Returns the light on paths for which there was no room.
   double run() {
+    const auto disperses = [&](const FlatBody& body) {
+      return !body.is_mirror && search_.ranges[body.material].disperses();
+    };
+    const bool is_one =
+        std::none_of(search_.flat.bodies.begin(), search_.flat.bodies.end(), disperses);
     BundleSet lamp;
-    lamp.bundles.resize(waves_);
-    for (Bundle& bundle : lamp.bundles) {
-      bundle.direction = direction_;
-      bundle.weight = 1.0;
-    }
+    lamp.bundles.resize(is_one ? 1 : waves_);
+    for (Bundle& bundle : lamp.bundles) bundle.direction = direction_;
+    lamp.weights.resize(waves_, 1.0);
     const std::vector<HalfSpace> beam = beam_bounds(light_);
     for (const std::uint32_t child : tree_.nodes[0].children) {
       std::vector<Vec3d> polygon = facets_[tree_.nodes[child].place].corners;
@@ -56,24 +59,19 @@ class Builder {
     const Facet& facet = facets_[node.place];
     const FacetMedia media = search_.media_of(facet);
     steps_.push_back(make_chain_step(search_.flat, node.place, node.event));
-    for (std::size_t w = 0; w < waves_; ++w) {
+    weigh(facet, media, front);
+    for (std::size_t w = 0; w < front.bundles.size(); ++w) {
       Bundle& bundle = front.bundles[w];
       if (bundle.polygon.empty()) continue;
       const FacetAnswer answer =
           answer_of(tables_, media, search_.wave(w), facet.normal, bundle.direction);
       if (!steps_.back().refracts()) {
-        bundle.weight *= answer.reflected;
         bundle.direction = answer.reflected_direction;
-        continue;
-      }
-      const double cosine = std::abs(glm::dot(bundle.direction, facet.normal));
-      const double behind = std::abs(glm::dot(answer.refracted_direction, facet.normal));
-      if (!(answer.transmitted > 0.0 && behind > 0.0)) {
+      } else if (passes(answer, facet)) {
+        bundle.direction = answer.refracted_direction;
+      } else {
         bundle.polygon.clear();
-        continue;
       }
-      bundle.weight *= answer.transmitted * cosine / behind;
-      bundle.direction = answer.refracted_direction;
     }
     front.bound();
     if (front.is_alive()) {
@@ -89,6 +87,33 @@ class Builder {
       }
     }
     steps_.pop_back();
+  }
+
+  static bool passes(const FacetAnswer& answer, const Facet& facet) {
+    return answer.transmitted > 0.0 && glm::dot(answer.refracted_direction, facet.normal) != 0.0;
+  }
+
+  // What a facet leaves of each wavelength; the bundles have the directions before it.
+  void weigh(const Facet& facet, const FacetMedia& media, BundleSet& front) const {
+    const bool is_alike = front.is_one() && search_.range_of(media.inside).is_grey &&
+                          search_.range_of(media.outside).is_grey;
+    FacetAnswer answer;
+    for (std::size_t w = 0; w < waves_; ++w) {
+      const Bundle& bundle = front.of(w);
+      if (bundle.polygon.empty()) continue;
+      if (w == 0 || !is_alike) {
+        answer = answer_of(tables_, media, search_.wave(w), facet.normal, bundle.direction);
+      }
+      if (!steps_.back().refracts()) {
+        front.weights[w] *= answer.reflected;
+      } else if (passes(answer, facet)) {
+        front.weights[w] *=
+            answer.transmitted * std::abs(glm::dot(bundle.direction, facet.normal) /
+                                          glm::dot(answer.refracted_direction, facet.normal));
+      } else {
+        front.weights[w] = 0.0;
+      }
+    }
   }
 
   std::vector<Vec3d> next_polygon(const Bundle& bundle, const Facet& last, const Facet& facet,
@@ -110,11 +135,10 @@ class Builder {
   void emit(const BundleSet& front, double flux) {
     double largest = 0.0;
     std::size_t sides = 0;
-    for (const Bundle& bundle : front.bundles) {
-      if (bundle.polygon.empty()) continue;
-      largest = std::max(largest, bundle.weight);
-      sides = std::max(sides, bundle.polygon.size());
+    for (std::size_t w = 0; w < waves_; ++w) {
+      if (!front.of(w).polygon.empty()) largest = std::max(largest, front.weights[w]);
     }
+    for (const Bundle& bundle : front.bundles) sides = std::max(sides, bundle.polygon.size());
     if (!(largest >= search_.options.cutoff)) return;
     ParallelChain chain;
     chain.light = number_;
@@ -134,7 +158,8 @@ class Builder {
     chain.side_count = sides + 1;
     chain.largest = static_cast<float>(largest);
     chain.rows = chains_.rows.size();
-    chain.bends =
+    chain.disperses =
+        !front.is_one() &&
         std::any_of(steps_.begin(), steps_.end(), [](const ChainStep& s) { return s.refracts(); });
     const std::size_t floats = chain.array_count(chains_.set_count) * chains_.lane_stride;
     if (chain.rows + floats > kMaxChainFloats) {
@@ -157,10 +182,10 @@ class Builder {
       };
       for (std::size_t lane = 0; lane < rows.stride; ++lane) {
         const std::size_t wave = static_cast<std::size_t>(set) * lanes + std::min(lane, lanes - 1);
-        const Bundle& bundle = front.bundles[wave];
+        const Bundle& bundle = front.of(wave);
         const bool is_lit = lane < lanes && !bundle.polygon.empty();
-        rows.weight[lane] = is_lit ? static_cast<float>(bundle.weight) : 0.0f;
-        if (!chain.bends && set > 0) continue;
+        rows.weight[lane] = is_lit ? static_cast<float>(front.weights[wave]) : 0.0f;
+        if (!chain.disperses && set > 0) continue;
         std::size_t step = 0;
         for (const Vec3d& d : directions(search_.wave(wave))) put(rows.direction(step++) + lane, d);
         std::vector<Vec4d> sides;

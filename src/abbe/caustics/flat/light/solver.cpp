@@ -12,15 +12,43 @@ namespace {
 using Mat2d = glm::dmat2;
 
 constexpr int kMaxSteps = 40;
-// A segment this much shorter than the whole path has shrunk to a point: an edge.
+// Of a step, the smallest part that is tried.
+constexpr double kLeastStep = 0.01;
+// A segment between planes that meet, this much shorter than the whole path, has shrunk to a point:
+// their edge. Others may be thin layers, and keep a direction in double precision.
 constexpr double kVanished = 1e-7;
+constexpr double kNoLength = 1e-14;
+// Sine squared of the angle between planes that do not meet anywhere near.
+constexpr double kParallel2 = 1e-16;
+// Where steps fail, segments between planes that meet are rounded off near their edge, by this
+// share of their faces at first and a tenth of it each time after. A path that would need a
+// stronger pull than this share of what such a segment has does not end at the edge.
+constexpr double kFirstRounding = 0.01;
+constexpr double kStrongPull = 0.95;
+constexpr double kWeakPull = 0.5;
+// With more than this the rounding no longer matters.
+constexpr double kClearPull = 0.9999;
 
 /// A sequence of planes with light crossing them, and the first two derivatives of its optical
 /// length.
 class PlaneSequence {
  public:
   PlaneSequence(const PointChain& chain, std::span<const double> n, const Vec3d& place)
-      : chain_(chain), n_(n), place_(place), count_(chain.crossings.size()) {}
+      : chain_(chain), n_(n), place_(place), count_(chain.crossings.size()) {
+    for (std::size_t j = 1; j < count_; ++j) {
+      const Vec3d cross = glm::cross(face(j - 1).normal, face(j).normal);
+      meets_[j] = glm::dot(cross, cross) > kParallel2;
+      has_edges_ |= meets_[j];
+    }
+  }
+
+  // Takes √(length² + (share·radius)²) for the length of segments between planes that meet: the sum
+  // is smooth at their edges, too.
+  void round_edges(double share) { rounding_ = share; }
+  double rounding() const { return rounding_; }
+  bool has_edges() const { return has_edges_; }
+  // The least pull of such a segment, of the most it can have.
+  double least_pull() const { return least_pull_; }
 
   std::size_t count() const { return count_; }
   const UnfoldedFace& face(std::size_t k) const { return chain_.faces[chain_.crossings[k]]; }
@@ -30,21 +58,35 @@ class PlaneSequence {
     double length = 0.0;
     Vec3d from = chain_.lamp;
     shortest_ = 1e300;
+    is_at_edge_ = false;
+    least_pull_ = 1.0;
     total_m_ = 0.0;
     for (std::size_t j = 0; j <= count_; ++j) {
       const Vec3d to = j < count_ ? on_face(face(j), at[j]) : place_;
       const Vec3d offset = to - from;
-      length_m_[j] = glm::length(offset);
+      double square = glm::dot(offset, offset);
+      if (rounding_ > 0.0 && is_between_meeting(j)) {
+        const double rounding_m = rounding_ * std::min(face(j - 1).radius_m, face(j).radius_m);
+        const double rounded = square + rounding_m * rounding_m;
+        least_pull_ = std::min(least_pull_, std::sqrt(square / rounded));
+        square = rounded;
+      }
+      length_m_[j] = std::sqrt(square);
       direction_[j] = offset / length_m_[j];
       length += n_[j] * length_m_[j];
       total_m_ += length_m_[j];
       shortest_ = std::min(shortest_, length_m_[j]);
       from = to;
     }
+    for (std::size_t j = 0; j <= count_; ++j) {
+      const double least = is_between_meeting(j) ? kVanished : kNoLength;
+      is_at_edge_ |= !(length_m_[j] > least * total_m_);
+    }
     return length;
   }
   double shortest() const { return shortest_; }
-  double total_m() const { return total_m_; }
+  // Whether a segment has no length: its ends are at an edge, or at one place.
+  bool is_at_edge() const { return is_at_edge_; }
 
   Vec2d in_face(std::size_t k, const Vec3d& v) const {
     return {glm::dot(face(k).u, v), glm::dot(face(k).v, v)};
@@ -80,6 +122,8 @@ class PlaneSequence {
   double determinant(std::size_t k) const { return glm::determinant(diagonal_[k]); }
 
  private:
+  bool is_between_meeting(std::size_t j) const { return j > 0 && j < count_ && meets_[j]; }
+
   // The part of segment j in the derivative by crossings a and b.
   Mat2d segment(std::size_t j, std::size_t a, std::size_t b, bool is_exact) const {
     const UnfoldedFace& fa = face(a);
@@ -100,7 +144,11 @@ class PlaneSequence {
   std::array<double, kMaxRefractions + 1> length_m_;
   std::array<Vec3d, kMaxRefractions + 1> direction_;
   std::array<Mat2d, kMaxRefractions> diagonal_, next_, carry_;
+  std::array<bool, kMaxRefractions + 1> meets_;  ///< Whether the planes about a segment meet.
+  bool has_edges_ = false;
+  double rounding_ = 0.0, least_pull_ = 1.0;
   double shortest_ = 0.0, total_m_ = 0.0;
+  bool is_at_edge_ = false;
 };
 
 // Back from the place along typical directions, as if the light were parallel, and not far from
@@ -123,6 +171,16 @@ void guess(const PointChain& chain, const Vec3d& place, Crossings& at) {
     at[k] = face.center + off;
     from = on_face(face, at[k]);
   }
+}
+
+// Whether what is nearly a path certainly passes a face by, outside of `reach` times its radius.
+bool misses(const PointChain& chain, const Crossings& at, double step, double reach) {
+  for (std::size_t k = 0; k < chain.crossings.size(); ++k) {
+    const UnfoldedFace& face = chain.faces[chain.crossings[k]];
+    if (step > 0.1 * face.radius_m) continue;
+    if (glm::length(at[k] - face.center) > reach * face.radius_m + 4.0 * step) return true;
+  }
+  return false;
 }
 
 double size_of(const Crossings& step, std::size_t count) {
@@ -173,16 +231,26 @@ bool is_least_at_edge(const PointChain& chain, std::span<const double> n, const 
 
 }  // namespace
 
+Vec3d off_last_face(const PointChain& chain, const Vec3d& place) {
+  if (!chain.steps.back().refracts()) return place;
+  const UnfoldedFace& face = chain.faces.back();
+  const double side = chain.steps.back().goes_on_inside() ? -1.0 : 1.0;
+  const double height = side * glm::dot(face.normal, place - face.origin);
+  const double least = 1e-6 * glm::distance(place, chain.lamp);
+  return height < least ? place + side * (least - height) * face.normal : place;
+}
+
 bool solve_crossings(const PointChain& chain, std::span<const double> n, const Vec3d& place,
-                     Crossings& crossings) {
+                     Crossings& crossings, double reach) {
   PlaneSequence planes(chain, n, place);
   if (planes.count() == 0) return true;
   guess(chain, place, crossings);
   double length = planes.look_at(crossings);
-  bool is_edge_ruled_out = false;
+  int weak_pulls = 0;
+  bool has_rounded = false;
   for (int i = 0; i < kMaxSteps; ++i) {
     const double scale = planes.shortest();
-    if (!(scale > kVanished * planes.total_m())) return false;
+    if (planes.is_at_edge()) return false;
     Crossings step{};
     for (std::size_t k = 0; k < planes.count(); ++k) step[k] = -planes.gradient(k);
     const Crossings force = step;
@@ -194,22 +262,44 @@ bool solve_crossings(const PointChain& chain, std::span<const double> n, const V
       for (std::size_t k = 0; k < planes.count(); ++k) there[k] = crossings[k] + by[k];
       return there;
     };
+    if (reach > 0.0 && misses(chain, crossings, size, reach)) return false;
     // Where steps are small they converge quadratically, and lengths no longer tell.
     if (size < 1e-3 * scale) {
       crossings = moved(step);
       length = planes.look_at(crossings);
-      if (size < 1e-5 * scale) return planes.shortest() > kVanished * planes.total_m();
+      if (planes.rounding() > 0.0) {
+        // A pull that is not strong and stays so as the rounding goes keeps the path at the edge.
+        weak_pulls = planes.least_pull() < kStrongPull ? weak_pulls + 1 : 0;
+        if (planes.least_pull() < kWeakPull) weak_pulls = 2;
+        if (weak_pulls == 2) return false;
+        const bool is_clear = planes.least_pull() > kClearPull;
+        planes.round_edges(is_clear ? 0.0 : 0.1 * planes.rounding());
+        length = planes.look_at(crossings);
+      } else if (size < 1e-5 * scale) {
+        return !planes.is_at_edge();
+      }
       continue;
     }
-    const Crossings there = moved(step);
-    const double there_length = size < 1e30 ? planes.look_at(there) : 1e300;
-    if (there_length < length) {
+    // A shorter step where the whole one goes too far.
+    bool is_shorter = false;
+    for (double share = 1.0; share > kLeastStep && size < 1e30 && !is_shorter; share *= 0.5) {
+      Crossings part{};
+      for (std::size_t k = 0; k < planes.count(); ++k) part[k] = share * step[k];
+      const Crossings there = moved(part);
+      const double there_length = planes.look_at(there);
+      is_shorter = there_length < length;
+      if (!is_shorter) continue;
       crossings = there;
       length = there_length;
+    }
+    if (is_shorter) continue;
+    if (!has_rounded && planes.has_edges()) {
+      if (is_least_at_edge(chain, n, place)) return false;
+      has_rounded = true;
+      planes.round_edges(kFirstRounding);
+      length = planes.look_at(crossings);
       continue;
     }
-    if (!is_edge_ruled_out && is_least_at_edge(chain, n, place)) return false;
-    is_edge_ruled_out = true;
     planes.look_at(crossings);
     planes.factor(false);
     step = force;

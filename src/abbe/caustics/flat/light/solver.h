@@ -18,15 +18,24 @@ struct CrossingSlopes {
   std::array<Crossings, 3> by_place{};  ///< Per metre of the lit place along x, y, z, unfolded.
 };
 
+/// A place that touches the last face of a chain, moved off it: the last segment of a path needs a
+/// direction. Other places as they are. Domain: unfolded.
+Vec3d off_last_face(const PointChain& chain, const Vec3d& place);
+
 /// Finds the path of least optical length from the lamp to a place over the planes of a chain,
 /// whether or not it stays inside the outlines of the faces. Newton's method on the convex sum
-/// Σ n·distance; where its step does not shorten the path, one of Weiszfeld's, which always does.
+/// Σ n·distance, with shorter steps where a whole one goes too far. Where none of them shortens the
+/// path, the sum is rounded off at the edges that planes meet in, less and less: so paths that end
+/// at an edge are told from those that pass close to it. Else a step of Weiszfeld's, which always
+/// shortens it.
+/// With a `reach`, a path that leaves faces by more than that times their radius is not followed to
+/// its end.
 /// Shape:  one index per segment, chain.crossings.size() + 1 of them.
 /// Domain: place is relative to the chain's origin, and unfolded. Without crossings always true.
-/// Errors: false where no smooth minimum was found: the path wants to pass an edge.
-/// Source: Weiszfeld, Tohoku Math. J. 43, 1937, for the step that always shortens.
+/// Errors: false where no smooth minimum was found: the path wants to pass an edge, or misses
+/// faces. Source: Weiszfeld, Tohoku Math. J. 43, 1937, for the step that always shortens.
 bool solve_crossings(const PointChain& chain, std::span<const double> n, const Vec3d& place,
-                     Crossings& crossings);
+                     Crossings& crossings, double reach = 0.0);
 
 /// Whether light that goes on over those crossings leaves each plane on its far side. The least
 /// path may turn back at one; light does not.

@@ -116,6 +116,17 @@ HWY_INLINE float LargestDistance(D d, int stride, const LaneArray3& places, cons
   return std::sqrt(hn::GetLane(hn::MaxOfLanes(d, square)));
 }
 
+/// The largest value among some lanes, at least 0.
+template <class D>
+HWY_INLINE float LargestOf(D d, int stride, const LaneArray& values, const LaneMask& lanes) {
+  auto largest = hn::Zero(d);
+  for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
+    const auto here = hn::Load(d, values.v + i);
+    largest = hn::Max(largest, hn::IfThenElseZero(LanesFrom(d, lanes, i), here));
+  }
+  return hn::GetLane(hn::MaxOfLanes(d, largest));
+}
+
 /// The lanes of `among` whose value equals `value`.
 template <class D, typename T>
 HWY_INLINE LaneMask LanesWith(D, int stride, const T* values, T value, const LaneMask& among) {

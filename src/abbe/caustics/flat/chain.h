@@ -36,6 +36,7 @@ struct ChainStep {
   Vec3f normal{0.0f};
   float distance_m = 0.0f;  ///< Plane n·x = distance, x relative to the chain's origin.
   bool is_checked = false;  ///< The segment inside that ends here may meet something.
+  bool is_touched = false;  ///< Something that chains do not lead through may lie on the facet.
 
   /// The media that light comes from and goes on in, by their materials; none: air.
   std::optional<std::uint32_t> comes_from() const {
@@ -59,6 +60,7 @@ struct ChainPath {
   std::uint32_t light = 0;
   std::vector<ChainStep> steps;
   Vec3f origin{0.0f};    ///< Points are taken relative to it: keeps precision.
+  float slack_m = 0.0f;  ///< Covers the rounding errors of places on its facets across them.
   float largest = 0.0f;  ///< Bound of what it adds to the light of its lamp, for any lane.
 
   /// The medium in which it lights places; none: air.

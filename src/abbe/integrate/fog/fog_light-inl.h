@@ -190,12 +190,12 @@ class FogLight {
     ChainPlaces met;
     for (const ParallelChain& chain : caustics_.parallel.chains) {
       if (chain.ends_in()) continue;
-      const ParallelChainLight<D> light(world_, caustics_.parallel, chain, in_fog.set);
+      ParallelChainLight<D> light(world_, caustics_.parallel, chain, in_fog.set);
       if (!light.segments(in_fog.rays, lit)) continue;
       for (int piece = 0; piece < pieces(in_fog.fan); ++piece) {
         const LitFog fog = fog_at(in_fog, at_depth(true, lit, share_of(in_fog.fan, piece)));
         constexpr PixelOnSurface kPoint;
-        if (!light.run(fog.places, kPoint, to_light, met)) continue;
+        if (!light.run(fog.places, 0.0f, kPoint, to_light, met)) continue;
         send_arrived(chain, in_fog, fog, to_light, met);
       }
     }
@@ -215,7 +215,7 @@ class FogLight {
         for (int piece = 0; piece < pieces(in_fog.fan); ++piece) {
           const LitFog fog = fog_at(in_fog, at_depth(spread, lit, share_of(in_fog.fan, piece)));
           PointChainLight<D> light(world_, caustics_.point, chain, in_fog.set);
-          if (!light.run(fog.places, in_fog.lanes, !spread, to_light, met)) continue;
+          if (!light.run(fog.places, 0.0f, in_fog.lanes, !spread, to_light, met)) continue;
           send_arrived(chain, in_fog, fog, to_light, met);
         }
       }
@@ -244,11 +244,10 @@ class FogLight {
     ShadowJob job;
     job.spread = true;
     job.at_glass = AtGlass::Ends;
-    const auto ray_of = [&](int lane) {
-      return LastRay(chain, met, fog.places.get(lane), to_light.distance_m[lane], lane);
-    };
+    const auto place_of = [&](int lane) { return LitPlace{fog.places.get(lane)}; };
+    const auto ray_of = [&](int lane) { return LastRay(chain, met, place_of(lane), lane); };
     if (!add_job(in_fog, fog, to_light, job, ray_of)) return;
-    AddGates(shadows_, world_, chain, met, job);
+    AddGates(shadows_, world_, chain, met, job, place_of);
   }
 
   // Whether light that arrives at fog comes to anything in any lane; then it waits in the queue.

@@ -86,7 +86,8 @@ class DirectLight {
     const SurfaceHit& hit = surface.where.hit;
     const int set = samples_[fan.sample].set;
     const Vec3f center = hit.position.get(hit.lanes.front());
-    const float radius_m = radius_of(surface.where, center);
+    const float rounding_m = LargestOf(D(), stride_, hit.offset_m, hit.lanes);
+    const float radius_m = radius_of(surface.where, center) + rounding_m;
     PixelOnSurface pixel;
     if (fan.depth == 0 && !fan.spread) {
       pixel = pixel_on_surface(samples_[fan.sample], kernel_, surface.where.path_length_m,
@@ -99,8 +100,8 @@ class DirectLight {
       const ParallelChain& chain = caustics_.parallel.chains[number];
       if (!may_light(chain, center, reach_m)) continue;
       if (!comes_in(chain.ends_in(), fan.media)) continue;
-      const ParallelChainLight<D> light(world_, caustics_.parallel, chain, set);
-      if (!light.run(hit.position, pixel, to_light, met)) continue;
+      ParallelChainLight<D> light(world_, caustics_.parallel, chain, set);
+      if (!light.run(hit.position, rounding_m, pixel, to_light, met)) continue;
       send_arrived(chain, surface, to_light, met);
     }
   }
@@ -111,7 +112,8 @@ class DirectLight {
     const SurfaceHit& hit = surface.where.hit;
     const int set = samples_[fan.sample].set;
     const Vec3f center = hit.position.get(hit.lanes.front());
-    const float radius_m = radius_of(surface.where, center);
+    const float rounding_m = LargestOf(D(), stride_, hit.offset_m, hit.lanes);
+    const float radius_m = radius_of(surface.where, center) + rounding_m;
     LightGeometry to_light;
     ChainPlaces met;
     LanesInGroup<D> places;  // Of a spread fan.
@@ -121,8 +123,9 @@ class DirectLight {
       PlaceInGroup place;
       if (!may_light(group, center, radius_m, place)) continue;
       if (!is_in_bounds(place, group.bounds)) continue;
-      const LaneMask among =
-          fan.spread ? places.place(stride_, group, hit.position, hit.lanes) : hit.lanes;
+      const LaneMask among = fan.spread
+                                 ? places.place(stride_, group, hit.position, rounding_m, hit.lanes)
+                                 : hit.lanes;
       if (!among.any()) continue;
       for (std::uint32_t c = group.first_chain; c < group.first_chain + group.chain_count; ++c) {
         const PointChain& chain = caustics_.point.chains[c];
@@ -134,7 +137,7 @@ class DirectLight {
           continue;
         }
         PointChainLight<D> light(world_, caustics_.point, chain, set);
-        if (!light.run(hit.position, near, !fan.spread, to_light, met)) continue;
+        if (!light.run(hit.position, rounding_m, near, !fan.spread, to_light, met)) continue;
         send_arrived(chain, surface, to_light, met);
       }
     }
@@ -158,11 +161,12 @@ class DirectLight {
     if (!begin_job(surface, to_light, job)) return;
     job.spread = true;
     job.at_glass = AtGlass::Ends;
-    shadows_.add(job, [&](int lane) {
-      return LastRay(chain, met, origin_of(surface.where.hit, to_light, lane),
-                     to_light.distance_m[lane], lane);
-    });
-    AddGates(shadows_, world_, chain, met, job);
+    const auto place_of = [&](int lane) {
+      const SurfaceHit& hit = surface.where.hit;
+      return LitPlace{origin_of(hit, to_light, lane), hit.offset_m[lane]};
+    };
+    shadows_.add(job, [&](int lane) { return LastRay(chain, met, place_of(lane), lane); });
+    AddGates(shadows_, world_, chain, met, job, place_of);
   }
 
   // Just off the surface, on the side that light comes from.

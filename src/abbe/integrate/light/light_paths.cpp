@@ -183,7 +183,8 @@ class Paths {
     const Vec3d place = chain.fold * (place_ - Vec3d(chain.origin)) + chain.fold_shift;
     Crossings crossings{};
     const std::span<const double> indices(n.data(), count + 1);
-    if (!solve_crossings(chain, indices, place, crossings)) return std::nullopt;
+    if (!solve_crossings(chain, indices, off_last_face(chain, place), crossings))
+      return std::nullopt;
     LightPath path;
     path.start = Vec3d(light_.position);
     // The path in the unfolded space, segment by segment.
@@ -253,6 +254,7 @@ class Paths {
       add_segment(from, path.crossings[s].position, chain.steps[s].comes_from(), path);
       path.transmittance *= path.crossings[s].share;
       from = path.crossings[s].position;
+      if (chain.steps[s].is_touched) path.is_blocked |= is_covered(chain, s, from);
     }
     add_segment(from, place_, chain.ends_in(), path);
     if (!light_.has_distance()) {
@@ -267,6 +269,20 @@ class Paths {
     path.length_m += length_m;
     path.transmittance *= passes(medium, length_m, path.lane);
     if (length_m > 0.0) path.is_blocked |= is_blocked(from, (to - from) / length_m, length_m);
+  }
+
+  // Whether anything opaque lies on a facet where light goes through it; what stands on the last
+  // one is what it lights.
+  bool is_covered(const ChainPath& chain, std::size_t s, const Vec3d& at) const {
+    const Vec3d normal(chain.steps[s].normal);
+    const double near_m = 2.0 * static_cast<double>(chain.slack_m);
+    const bool is_last = s + 1 == chain.steps.size();
+    if (is_last && std::abs(glm::dot(place_ - at, normal)) <= 2.0 * near_m) return false;
+    const Ray through{Vec3f(at - near_m * normal), static_cast<float>(2.0 * near_m), Vec3f(normal)};
+    std::uint8_t is_met = 0;
+    world_.accelerator->any_hits(std::span<const Ray>(&through, 1), kOpaqueBit,
+                                 std::span<std::uint8_t>(&is_met, 1));
+    return is_met != 0;
   }
 
   // Whether anything opaque stands on a segment or anything that bends light.

@@ -15,11 +15,12 @@ namespace abbe {
 
 /// What flat glass does to a shadow ray.
 enum class AtGlass : std::uint8_t {
-  Passes,  ///< It goes on, weakened: no chains bring this light.
-  Ends,    ///< Its light comes on chains, or it is a part of one.
-  Counts,  ///< So it does through as many facets as chains have; through more it passes.
+  Passes,   ///< It goes on, weakened: no chains bring this light.
+  Ends,     ///< Its light comes on chains, or it is a part of one.
+  Counts,   ///< So it does through as many facets as chains have; through more it passes.
+  Ignores,  ///< Only what lies on it counts: light of a chain goes through it there.
 };
-inline constexpr std::size_t kAtGlassRules = 3;
+inline constexpr std::size_t kAtGlassRules = 4;
 
 /// Light on its way to lanes that wait to know whether it is blocked.
 struct ShadowJob {
@@ -51,7 +52,8 @@ inline VisibilityMask blocking_bits(AtGlass at_glass) {
   return at_glass == AtGlass::Ends ? kOpaqueBit | kExactGlassBit : kOpaqueBit;
 }
 inline VisibilityMask passing_bits(AtGlass at_glass) {
-  return at_glass == AtGlass::Ends ? kTransparentBit : kTransparentBit | kExactGlassBit;
+  const bool is_met = at_glass == AtGlass::Passes || at_glass == AtGlass::Counts;
+  return is_met ? kTransparentBit | kExactGlassBit : kTransparentBit;
 }
 
 /// Light that waits for its shadow rays: the working memory of a batch.

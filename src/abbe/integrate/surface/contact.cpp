@@ -183,8 +183,13 @@ std::size_t ContactFinder::look_around(const Ray& ray, const Hit& hit) {
   const double along_m = static_cast<double>(
       reach_m_ / std::max(std::abs(glm::dot(ray.direction, point.normal)), kLeastCosine));
   look_around(ray, static_cast<double>(hit.t), along_m);
-  return list_.find(
+  const std::size_t own = list_.find(
       along_m, [&](std::uint32_t, std::uint32_t primitive) { return primitive == hit.primitive; });
+  if (own < list_.all().size()) return own;
+  // On an edge the line, rounded elsewhere, may meet only the triangle next to it.
+  return list_.find(along_m, [&](std::uint32_t surface, std::uint32_t) {
+    return surface == world_.geometry.primitive_surface[hit.primitive];
+  });
 }
 
 Hit ContactFinder::hit_along(const Ray& ray, const Interface& interface) const {

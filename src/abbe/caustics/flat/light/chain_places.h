@@ -6,11 +6,9 @@
 
 namespace abbe {
 
-/// Where light on a chain met its facets, relative to the chain's origin, and a distance that
-/// covers the rounding errors of these places.
+/// Where light on a chain met its facets, relative to the chain's origin.
 struct ChainPlaces {
   LaneArray3 places[kMaxChainSteps];
-  LaneArray slack_m;
 };
 
 }  // namespace abbe

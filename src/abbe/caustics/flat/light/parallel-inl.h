@@ -41,9 +41,11 @@ class ParallelChainLight {
   /// about each place, each plane of the lit prism taken along the side that it cuts more squarely.
   /// The geometry is that of the lit place nearest to each, so that what stands in the way is asked
   /// where the samples are.
-  bool run(const LaneArray3& positions, const PixelOnSurface& pixel, LightGeometry& geometry,
-           ChainPlaces& met) const {
+  /// Places may be off by `rounding_m`.
+  bool run(const LaneArray3& positions, float rounding_m, const PixelOnSurface& pixel,
+           LightGeometry& geometry, ChainPlaces& met) {
     const D d;
+    rounding_m_ = rounding_m;
     bool any = false;
     for (int i = 0; i < tables_.lanes.lane_stride(); i += static_cast<int>(hn::Lanes(d))) {
       any |= light_lanes(positions, pixel, i, geometry, met);
@@ -110,20 +112,13 @@ class ParallelChainLight {
       hn::Store(zero, d, geometry.irradiance.v + i);
       Store3(d, Set3(d, Vec3f(0.0f, 0.0f, 1.0f)), geometry.direction, i);
       hn::Store(zero, d, geometry.distance_m.v + i);
-      hn::Store(zero, d, met.slack_m.v + i);
       for (std::size_t s = 0; s < chain_.steps.size(); ++s) {
         Store3(d, Set3(d, Vec3f(0.0f)), met.places[s], i);
       }
       return false;
     }
-    const V size = hn::Add(hn::Abs(place.x), hn::Add(hn::Abs(place.y), hn::Abs(place.z)));
     irradiance = follow_back(place, i, irradiance, geometry, met);
     hn::Store(hn::IfThenElseZero(lit, irradiance), d, geometry.irradiance.v + i);
-    // A few roundings of numbers as large as the path and the place in the world.
-    const float far =
-        std::max({std::abs(chain_.origin.x), std::abs(chain_.origin.y), std::abs(chain_.origin.z)});
-    const V scale = hn::Add(hn::Add(size, hn::Load(d, geometry.distance_m.v + i)), hn::Set(d, far));
-    hn::Store(hn::Mul(scale, hn::Set(d, 2e-6f)), d, met.slack_m.v + i);
     return true;
   }
 
@@ -137,7 +132,9 @@ class ParallelChainLight {
     LitPart<D> part_x(d, pixel), part_y(d, pixel);
     for (std::size_t s = 0; s < chain_.side_count && !hn::AllFalse(d, lit); ++s) {
       const Side side = side_at(s, i);
-      const V height = hn::Add(Dot3(d, side.normal, place), side.offset);
+      V height = hn::Add(Dot3(d, side.normal, place), side.offset);
+      // What the last facet stands on is lit.
+      if (s == 0) height = hn::Add(height, hn::Set(d, rounding_m_));
       if (pixel.is_point()) {
         lit = hn::And(lit, hn::Ge(height, zero));
         continue;
@@ -170,9 +167,15 @@ class ParallelChainLight {
       const ChainStep& step = chain_.steps[s];
       const V3 direction = load(rows_.direction(s), i);
       const V3 normal = Set3(d, step.normal);
-      const V height = hn::Sub(Dot3(d, normal, place), hn::Set(d, step.distance_m));
-      const V length = hn::Max(hn::Div(height, Dot3(d, normal, direction)), zero);
-      place = Combine3(d, hn::Set(d, 1.0f), place, hn::Neg(length), direction);
+      const V slope = Dot3(d, normal, direction);
+      V length = zero;
+      // The second time what a long way has rounded is undone.
+      for (int time = 0; time < 2; ++time) {
+        const V height = hn::Sub(Dot3(d, normal, place), hn::Set(d, step.distance_m));
+        const V back = hn::Max(hn::Div(height, slope), hn::Neg(length));
+        place = Combine3(d, hn::Set(d, 1.0f), place, hn::Neg(back), direction);
+        length = hn::Add(length, back);
+      }
       Store3(d, place, met.places[s], i);
       if (s + 1 == step_count) {
         const V3 to_light{hn::Neg(direction.x), hn::Neg(direction.y), hn::Neg(direction.z)};
@@ -206,6 +209,7 @@ class ParallelChainLight {
   const WorldLight& light_;
   const ParallelChainRows<const float> rows_;
   const int set_;
+  float rounding_m_ = 0.0f;
 };
 
 }  // namespace HWY_NAMESPACE

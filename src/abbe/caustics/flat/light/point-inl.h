@@ -25,6 +25,7 @@
 
 #include "abbe/caustics/flat/light/chain_places.h"
 #include "abbe/caustics/flat/light/facet_reflectance-inl.h"
+#include "abbe/caustics/flat/light/on_plane-inl.h"
 #include "abbe/caustics/flat/light/point_bounds-inl.h"
 #include "abbe/caustics/flat/light/point_shot-inl.h"
 #include "abbe/caustics/flat/light/solver.h"
@@ -51,8 +52,9 @@ class PointChainLight {
 
   /// As ParallelChainLight does for parallel light. The places of `lanes` count; they are one place
   /// where `is_one_place`.
-  bool run(const LaneArray3& positions, const LaneMask& lanes, bool is_one_place,
+  bool run(const LaneArray3& positions, float rounding_m, const LaneMask& lanes, bool is_one_place,
            LightGeometry& geometry, ChainPlaces& met) {
+    rounding_m_ = rounding_m;
     if (!start(positions, lanes, is_one_place)) return false;
     const D d;
     const int stride = tables_.lanes.lane_stride();
@@ -67,6 +69,9 @@ class PointChainLight {
  private:
   using V = VecOf<D>;
   using V3 = Vec3Of<D>;
+
+  // Times the radius of a face: paths that pass it by so far need not be known better.
+  static constexpr double kMissReach = 1.5;
 
   double index(std::size_t segment, int lane) const {
     const auto& medium = chain_.media[segment];
@@ -93,7 +98,7 @@ class PointChainLight {
       center = sum / static_cast<float>(lanes.count());
       radius_m = LargestDistance(D(), tables_.lanes.lane_stride(), positions, lanes, center);
     }
-    middle_ = unfolded(center);
+    middle_ = off_last_face(chain_, unfolded(center));
     if (count_ == 0) return true;
     std::array<double, kMaxRefractions + 1> n{};
     std::array<double, kMaxRefractions + 1> change{};
@@ -111,7 +116,9 @@ class PointChainLight {
       }
     }
     const std::span<const double> indices(n.data(), count_ + 1);
-    has_middle_ = solve_crossings(chain_, indices, middle_, crossings_);
+    const bool is_one_path = !(widest_ > 0.0 || radius_m > 0.0f);
+    has_middle_ =
+        solve_crossings(chain_, indices, middle_, crossings_, is_one_path ? kMissReach : 0.0);
     if (!has_middle_) return widest_ > 0.0 && any_end_arrives(n, change);
     slopes_ = CrossingSlopes{};
     if (widest_ > 0.0 || radius_m > 0.0f) {
@@ -266,7 +273,8 @@ class PointChainLight {
       std::array<double, kMaxRefractions + 1> n{};
       for (std::size_t j = 0; j <= count_; ++j) n[j] = index(j, lane);
       Crossings crossings{};
-      if (!solve_crossings(chain_, {n.data(), count_ + 1}, Vec3d(xs[k], ys[k], zs[k]), crossings)) {
+      const Vec3d goal = off_last_face(chain_, Vec3d(xs[k], ys[k], zs[k]));
+      if (!solve_crossings(chain_, {n.data(), count_ + 1}, goal, crossings, kMissReach)) {
         continue;
       }
       if (!goes_ahead(chain_, crossings)) continue;
@@ -361,7 +369,7 @@ class PointChainLight {
       const V tint = hn::LoadU(d, tables_.row(material.base_color, set_) + i);
       power =
           hn::Mul(power, step.refracts() ? hn::Mul(hn::Sub(one, reflectance), tint) : reflectance);
-      Store3(d, moved(face.to_world, face.shift, place), met.places[s], i);
+      Store3(d, OnPlane(d, step, moved(face.to_world, face.shift, place)), met.places[s], i);
       last_place = place;
     }
     return lit;
@@ -384,23 +392,18 @@ class PointChainLight {
       hn::Store(zero, d, geometry.irradiance.v + i);
       Store3(d, Set3(d, Vec3f(0.0f, 0.0f, 1.0f)), geometry.direction, i);
       hn::Store(zero, d, geometry.distance_m.v + i);
-      hn::Store(zero, d, met.slack_m.v + i);
       for (std::size_t s = 0; s < chain_.steps.size(); ++s) {
         Store3(d, Set3(d, Vec3f(0.0f)), met.places[s], i);
       }
       return lit;
     }
-    // A few roundings of numbers as large as the path and the place in the world.
     const V path_m = total(shot);
-    const float far =
-        std::max({std::abs(chain_.origin.x), std::abs(chain_.origin.y), std::abs(chain_.origin.z)});
-    const V slack = hn::Mul(hn::Add(path_m, hn::Set(d, far)), hn::Set(d, 2e-6f));
     // To the face that was met, not along the ray, which may miss the place by the tolerance. From
     // a place that touches the face the ray tells better.
     const V3 last_offset = Combine3(d, one, place, hn::Neg(one), last_place);
     const V3& last = shot.directions[count_];
     const V last_m = hn::Sqrt(Dot3(d, last_offset, last_offset));
-    const auto touches = hn::Lt(last_m, hn::Mul(slack, hn::Set(d, 16.0f)));
+    const auto touches = hn::Lt(last_m, hn::Set(d, 16.0f * (chain_.slack_m + rounding_m_)));
     lit = hn::And(lit, hn::Or(touches, hn::Gt(Dot3(d, last_offset, last), zero)));
     const V over = hn::Div(one, last_m);
     const V3 straight{hn::Mul(last_offset.x, over), hn::Mul(last_offset.y, over),
@@ -416,7 +419,6 @@ class PointChainLight {
     Store3(d, V3{hn::Neg(arrives.x), hn::Neg(arrives.y), hn::Neg(arrives.z)}, geometry.direction,
            i);
     hn::Store(hn::IfThenElseZero(lit, last_m), d, geometry.distance_m.v + i);
-    hn::Store(slack, d, met.slack_m.v + i);
     return lit;
   }
 
@@ -426,6 +428,7 @@ class PointChainLight {
   const WorldLight& light_;
   const int set_;
   const std::size_t count_;
+  float rounding_m_ = 0.0f;
   Vec3d middle_{0.0};
   bool has_middle_ = false;
   Crossings crossings_{};

@@ -54,9 +54,9 @@ inline bool is_in_bounds(const PlaceInGroup& place, const PointChains& all,
 template <class D>
 class LanesInGroup {
  public:
-  /// Returns those of `among` that the group may light.
+  /// Returns those of `among` that the group may light; places may be off by `rounding_m`.
   LaneMask place(int stride, const PointChainGroup& group, const LaneArray3& positions,
-                 const LaneMask& among) {
+                 float rounding_m, const LaneMask& among) {
     const D d;
     const V touches = hn::Set(d, kTouches);
     LaneMask found;
@@ -66,7 +66,8 @@ class LanesInGroup {
       const Vec3Of<D> v = Combine3(d, hn::Set(d, 1.0f), Load3(d, positions, i), hn::Set(d, -1.0f),
                                    Set3(d, group.origin));
       const V height = Dot3(d, v, Set3(d, group.normal));
-      const V radius = hn::Mul(touches, hn::Add(hn::Add(hn::Abs(v.x), hn::Abs(v.y)), hn::Abs(v.z)));
+      const V size = hn::Add(hn::Add(hn::Abs(v.x), hn::Abs(v.y)), hn::Abs(v.z));
+      const V radius = hn::Add(hn::Mul(touches, size), hn::Set(d, rounding_m));
       const V u = Dot3(d, v, Set3(d, group.u));
       const V w = Dot3(d, v, Set3(d, group.v));
       for (std::size_t k = 0; k < 8; ++k) {

@@ -12,6 +12,8 @@ namespace {
 using Mat2d = glm::dmat2;
 
 constexpr int kMaxSteps = 40;
+// A step shorter than this share of the shortest segment comes near the path.
+constexpr double kNear = 0.1;
 // Of a step, the smallest part that is tried.
 constexpr double kLeastStep = 0.01;
 // A segment between planes that meet, this much shorter than the whole path, has shrunk to a point:
@@ -177,7 +179,6 @@ void guess(const PointChain& chain, const Vec3d& place, Crossings& at) {
 bool misses(const PointChain& chain, const Crossings& at, double step, double reach) {
   for (std::size_t k = 0; k < chain.crossings.size(); ++k) {
     const UnfoldedFace& face = chain.faces[chain.crossings[k]];
-    if (step > 0.1 * face.radius_m) continue;
     if (glm::length(at[k] - face.center) > reach * face.radius_m + 4.0 * step) return true;
   }
   return false;
@@ -262,7 +263,8 @@ bool solve_crossings(const PointChain& chain, std::span<const double> n, const V
       for (std::size_t k = 0; k < planes.count(); ++k) there[k] = crossings[k] + by[k];
       return there;
     };
-    if (reach > 0.0 && misses(chain, crossings, size, reach)) return false;
+    const bool is_near = size < kNear * scale;
+    if (reach > 0.0 && is_near && misses(chain, crossings, size, reach)) return false;
     // Where steps are small they converge quadratically, and lengths no longer tell.
     if (size < 1e-3 * scale) {
       crossings = moved(step);

@@ -26,4 +26,13 @@ std::vector<MaterialRange> material_ranges(const TabulatedScene& tables) {
   return ranges;
 }
 
+Vec3d rounded_to_single(const Vec3d& v) {
+  Vec3d result(0.0);
+  for (int i = 0; i < 3; ++i) {
+    const volatile float single = static_cast<float>(v[i]);
+    result[i] = static_cast<double>(single);
+  }
+  return result;
+}
+
 }  // namespace abbe

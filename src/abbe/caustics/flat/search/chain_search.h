@@ -56,6 +56,10 @@ struct ChainSearch {
   }
 };
 
+/// The nearest numbers of single precision. A cast there and back will not do: at -O3 the
+/// vectoriser of GCC 12.2 drops such a pair.
+Vec3d rounded_to_single(const Vec3d& v);
+
 /// What a search for the chains of one light has met.
 struct ChainYield {
   double started = 0.0;  ///< Light that fell on facets; the unit depends on the kind of light.

@@ -6,7 +6,6 @@
 
 #include "abbe/caustics/flat/search/bundle.h"
 #include "abbe/caustics/flat/search/paths.h"
-#include "abbe/caustics/flat/search/rounding.h"
 #include "abbe/math/polygon.h"
 
 namespace abbe {
@@ -143,10 +142,10 @@ class Builder {
     ParallelChain chain;
     chain.light = number_;
     chain.steps = steps_;
-    search_.obstacles.mark(chain.steps);
     const Facet& last = facets_[steps_.back().facet];
     const Vec3d origin = rounded_to_single(last.center);
     chain.origin = Vec3f(origin);
+    search_.obstacles.mark(chain);
     for (ChainStep& s : chain.steps) {
       const Facet& facet = facets_[s.facet];
       s.distance_m = static_cast<float>(facet.distance - glm::dot(facet.normal, origin));
@@ -189,7 +188,7 @@ class Builder {
         std::size_t step = 0;
         for (const Vec3d& d : directions(search_.wave(wave))) put(rows.direction(step++) + lane, d);
         std::vector<Vec4d> sides;
-        if (is_lit) sides = sides_of(bundle, Vec3d(chain.origin));
+        if (is_lit) sides = sides_of(bundle, Vec3d(chain.origin), chain.slack_m);
         // Planes that are not needed hold everything.
         sides.resize(chain.side_count, Vec4d(0.0, 0.0, 0.0, 1.0));
         for (std::size_t side = 0; side < chain.side_count; ++side) {
@@ -202,7 +201,7 @@ class Builder {
   }
 
   // The planes of what a bundle lights behind the last facet, normal·x + offset ≥ 0 inside.
-  std::vector<Vec4d> sides_of(const Bundle& bundle, const Vec3d& origin) const {
+  std::vector<Vec4d> sides_of(const Bundle& bundle, const Vec3d& origin, double slack_m) const {
     const Facet& last = facets_[steps_.back().facet];
     std::vector<Vec4d> sides;
     const auto add = [&](const Vec3d& normal, const Vec3d& on_it) {
@@ -211,7 +210,7 @@ class Builder {
     const Vec3d ahead = glm::dot(bundle.direction, last.normal) > 0.0 ? last.normal : -last.normal;
     add(ahead, last.corners.front());
     // What the facet stands on is lit, on whichever side of it rounding has put it.
-    sides.back().w += 5e-7 * (glm::length(origin) + last.radius_m);
+    sides.back().w += slack_m;
     Vec3d middle(0.0);
     for (const Vec3d& corner : bundle.polygon) middle += corner;
     middle /= static_cast<double>(bundle.polygon.size());

@@ -7,7 +7,6 @@
 #include <tuple>
 
 #include "abbe/caustics/flat/search/cones.h"
-#include "abbe/caustics/flat/search/rounding.h"
 
 namespace abbe {
 namespace {
@@ -149,7 +148,7 @@ class Maker {
       chain.directions.push_back(chain.fold * gathered.axes[s + 1]);
     }
     for (Vec3d& direction : chain.directions) direction = glm::normalize(direction);
-    obstacles_.mark(chain.steps);
+    obstacles_.mark(chain);
     bound(gathered.cones, chain);
     return chain;
   }

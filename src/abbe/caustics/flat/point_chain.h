@@ -23,7 +23,6 @@
 
 namespace abbe {
 
-
 /// Coordinates in the plane of a face, and its outline in them.
 struct FaceFrame {
   Vec3d origin{0.0}, normal{0.0}, u{0.0}, v{0.0};

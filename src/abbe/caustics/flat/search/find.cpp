@@ -52,7 +52,7 @@ FoundChains find_chains(const Scene& scene, const ChainSearch& search) {
 
 // Says how much light is left out, and why, if it is worth a word.
 void tell(const FoundChains& found, const CausticOptions& options, Notes& notes) {
-  constexpr double kWorthAWord = 0.01;
+  constexpr double kWorthAWord = 0.02;
   if (!(found.share_cut > kWorthAWord)) return;
   notes.warn(
       "", fmt::format("{:.1f} % of the light of lamps on flat glass and mirrors is left out: "

@@ -31,7 +31,7 @@ constexpr double kLeastShare = 2e-4;
 constexpr double kLeastMainShare = 1e-7;
 constexpr double kBright = 0.01;
 constexpr double kBrightShare = 1.0 / 3.0;
-constexpr double kMostCut = 0.005;
+constexpr double kMostCut = 0.0075;
 constexpr double kMostKept = 4000.0;
 // All that is for this cutoff. Whoever asks for a smaller one gets as many times more.
 constexpr double kUsualCutoff = 1e-4;

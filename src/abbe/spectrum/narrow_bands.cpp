@@ -66,6 +66,7 @@ void add_bands(const Spectrum& spectrum, std::vector<NarrowBand>& bands) {
   if (spectrum.table_points_nm().size() < 3) return;
   const std::vector<double> nm = places(spectrum);
   std::vector<double> values;
+  values.reserve(nm.size());
   for (const double at_nm : nm) values.push_back(spectrum.value(at_nm));
   const std::vector<double> above = top_hat(nm, values);
   const std::vector<double> below = top_hat(nm, negated(values));

@@ -7,6 +7,7 @@
 
 #include "abbe/accel/query.h"
 #include "abbe/base/aligned.h"
+#include "abbe/caustics/flat/light/known_misses.h"
 #include "abbe/integrate/fan.h"
 #include "abbe/integrate/integrator.h"
 #include "abbe/integrate/light/shadow_jobs.h"
@@ -29,6 +30,7 @@ struct IntegratorScratch::Buffers {
   AlignedVector<std::uint32_t> lane_contacts;
 
   ShadowBuffers shadows;
+  KnownMisses misses;
   AlignedVector<float> local_light;  ///< Emission and ambient light, per sample and lane.
   /// The number of the material that each sample's camera ray begins in.
   std::vector<std::optional<std::uint32_t>> camera_media;

@@ -48,7 +48,7 @@ class Tracer {
         b_(buffers),
         recorder_(world, samples, results.records),
         shadows_(world, samples, stats, buffers.shadows, recorder_),
-        lamps_(world, settings.kernel, samples, shadows_),
+        lamps_(world, settings.kernel, samples, shadows_, buffers.misses),
         fog_(world, samples, shadows_),
         stride_(world.lanes.lane_stride()),
         found_(world, buffers),

@@ -2,76 +2,88 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <numeric>
 
 namespace abbe {
 namespace {
 
-// Lists this short are read faster than they are split, and cells no smaller than this.
-constexpr std::uint32_t kShortList = 12;
-constexpr int kMaxDepth = 6;
-// What lists may take in all: 64 MiB.
-constexpr std::size_t kMaxNumbers = std::size_t{1} << 24;
+// Lists this short are read faster than they are split.
+constexpr std::size_t kShortList = 4;
+// A cell is split once so many places in it were asked about: what that costs is a share of what
+// they did.
+constexpr std::uint32_t kOften = 8;
+// From a scene that is 16 km wide to a millimetre.
+constexpr int kMaxDepth = 24;
+// What lists and cells may take in all: 64 MiB or so.
+constexpr std::size_t kMaxKept = std::size_t{1} << 24;
+constexpr std::size_t kKeptByCell = 48;
 
 }  // namespace
 
-ChainIndex::ChainIndex(const Box3f& bounds, std::uint32_t chains, const MayLight& may_light) {
-  numbers_.resize(chains);
-  std::iota(numbers_.begin(), numbers_.end(), 0u);
-  const Vec3f size = bounds.is_empty() ? Vec3f(0.0f) : bounds.size();
-  const float half_m = 0.5f * std::max({size.x, size.y, size.z});
-  const Vec3f center = bounds.is_empty() ? Vec3f(0.0f) : bounds.center();
-  cells_.push_back({center, half_m, 0, chains, 0});
-  split(0, 0, may_light);
+ChainIndex::Cell::~Cell() {
+  for (std::atomic<Cell*>& child : children) delete child.load(std::memory_order_relaxed);
 }
 
-void ChainIndex::split(std::uint32_t number, int depth, const MayLight& may_light) {
-  const Cell cell = cells_[number];
-  const auto size = cell.last - cell.first;
-  if (size <= kShortList || depth == kMaxDepth || !(cell.half_m > 0.0f)) return;
-  if (numbers_.size() + std::size_t{8} * size > kMaxNumbers) return;
-  const auto children = static_cast<std::uint32_t>(cells_.size());
-  const float half_m = 0.5f * cell.half_m;
-  std::size_t kept = 0;
-  for (int octant = 0; octant < 8; ++octant) {
-    const Vec3f side((octant & 1) != 0 ? 1.0f : -1.0f, (octant & 2) != 0 ? 1.0f : -1.0f,
-                     (octant & 4) != 0 ? 1.0f : -1.0f);
-    Cell child{cell.center + half_m * side, half_m, static_cast<std::uint32_t>(numbers_.size()), 0,
-               0};
-    // Twice as large as the octant.
-    const float radius_m = 2.0f * std::sqrt(3.0f) * half_m * 1.00001f;
-    for (std::uint32_t i = cell.first; i < cell.last; ++i) {
-      const std::uint32_t chain = numbers_[i];
-      if (may_light(chain, child.center, radius_m)) numbers_.push_back(chain);
-    }
-    child.last = static_cast<std::uint32_t>(numbers_.size());
-    kept += child.last - child.first;
-    cells_.push_back(child);
-  }
-  // Where nearly all of it lights everything, smaller cells do not help.
-  if (kept > std::size_t{8} * size * 9 / 10) {
-    cells_.resize(children);
-    numbers_.resize(numbers_.size() - kept);
-    return;
-  }
-  cells_[number].children = children;
-  for (std::uint32_t i = 0; i < 8; ++i) split(children + i, depth + 1, may_light);
+ChainIndex::ChainIndex(const Box3f& bounds, std::uint32_t chains, float room)
+    : tree_(std::make_unique<Tree>()), room_(room) {
+  Cell& root = tree_->root;
+  root.own.resize(chains);
+  std::iota(root.own.begin(), root.own.end(), 0u);
+  root.numbers = root.own;
+  if (bounds.is_empty()) return;
+  const Vec3f size = bounds.size();
+  root.center = bounds.center();
+  root.half_m = 0.5f * std::max({size.x, size.y, size.z});
 }
 
-std::span<const std::uint32_t> ChainIndex::near(const Vec3f& center, float radius_m) const {
-  if (cells_.empty()) return {};
-  const Cell* cell = &cells_[0];
+std::span<const std::uint32_t> ChainIndex::near(const Vec3f& center, float radius_m,
+                                                const MayLight& may_light) const {
+  if (!tree_) return {};
+  Cell* cell = &tree_->root;
   const Vec3f off = glm::abs(center - cell->center);
-  const bool is_inside = std::max({off.x, off.y, off.z}) <= cell->half_m;
-  // A child holds balls about places of its octant that are no larger than half of it.
-  while (is_inside && cell->children != 0 && radius_m <= 0.5f * cell->half_m) {
-    const std::uint32_t octant = (center.x > cell->center.x ? 1u : 0u) |
-                                 (center.y > cell->center.y ? 2u : 0u) |
-                                 (center.z > cell->center.z ? 4u : 0u);
-    cell = &cells_[cell->children + octant];
+  if (!(std::max({off.x, off.y, off.z}) <= cell->half_m)) return cell->numbers;
+  while (cell->numbers.size() > kShortList && radius_m <= 0.5f * room_ * cell->half_m) {
+    const std::size_t octant = (center.x > cell->center.x ? 1u : 0u) |
+                               (center.y > cell->center.y ? 2u : 0u) |
+                               (center.z > cell->center.z ? 4u : 0u);
+    Cell* next = cell->children[octant].load(std::memory_order_acquire);
+    if (next == nullptr) next = child(*cell, octant, may_light);
+    if (next == nullptr) break;
+    cell = next;
   }
-  return std::span(numbers_).subspan(cell->first, cell->last - cell->first);
+  return cell->numbers;
+}
+
+ChainIndex::Cell* ChainIndex::child(Cell& cell, std::size_t octant,
+                                    const MayLight& may_light) const {
+  if (cell.depth == kMaxDepth) return nullptr;
+  if (cell.times_asked.fetch_add(1, std::memory_order_relaxed) < kOften) return nullptr;
+  if (tree_->kept.load(std::memory_order_relaxed) > kMaxKept) return nullptr;
+  auto made = std::make_unique<Cell>();
+  made->depth = cell.depth + 1;
+  made->half_m = 0.5f * cell.half_m;
+  const Vec3f side((octant & 1) != 0 ? 1.0f : -1.0f, (octant & 2) != 0 ? 1.0f : -1.0f,
+                   (octant & 4) != 0 ? 1.0f : -1.0f);
+  made->center = cell.center + made->half_m * side;
+  const float radius_m = (std::sqrt(3.0f) + room_) * made->half_m * 1.00001f;
+  for (const std::uint32_t number : cell.numbers) {
+    if (may_light(number, made->center, radius_m)) made->own.push_back(number);
+  }
+  // A list that is hardly shorter is not kept twice.
+  if (made->own.size() > cell.numbers.size() / 8 * 7) {
+    made->own = {};
+    made->numbers = cell.numbers;
+  } else {
+    made->own.shrink_to_fit();
+    made->numbers = made->own;
+  }
+  Cell* known = nullptr;
+  if (!cell.children[octant].compare_exchange_strong(known, made.get(), std::memory_order_release,
+                                                     std::memory_order_acquire)) {
+    return known;
+  }
+  tree_->kept.fetch_add(made->own.size() + kKeptByCell, std::memory_order_relaxed);
+  return made.release();
 }
 
 }  // namespace abbe

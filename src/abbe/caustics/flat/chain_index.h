@@ -1,40 +1,62 @@
-/// Which of many chains may light a place.
+/// Which chains may light a place: lists of them for the cells of an octree, made where places are
+/// asked about.
 #pragma once
 
+#include <array>
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "abbe/math/ray.h"
+#include "abbe/math/vec.h"
 
 namespace abbe {
 
-/// An octree over a scene. Its cells overlap by half of their size, so that places which lie close
-/// together are in one.
+/// An octree over a scene that grows where many places are asked about. Threads may ask at once,
+/// and what they are told does not depend on each other but for chains that light nothing there.
 class ChainIndex {
  public:
   /// Whether a chain, by its number, may light any place in a ball.
   using MayLight = std::function<bool(std::uint32_t, const Vec3f& center, float radius_m)>;
 
+  /// Knows nothing of any chain.
   ChainIndex() = default;
-  ChainIndex(const Box3f& bounds, std::uint32_t chains, const MayLight& may_light);
+  /// Balls that are asked about should be no larger than `room` times half the side of a cell.
+  ChainIndex(const Box3f& bounds, std::uint32_t chains, float room);
 
   /// The numbers of the chains that may light a ball, ascending, and of some that do not.
-  std::span<const std::uint32_t> near(const Vec3f& center, float radius_m) const;
+  std::span<const std::uint32_t> near(const Vec3f& center, float radius_m,
+                                      const MayLight& may_light) const;
 
  private:
   struct Cell {
     Vec3f center{0.0f};
     float half_m = 0.0f;
-    std::uint32_t first = 0, last = 0;  ///< In numbers_.
-    std::uint32_t children = 0;         ///< The first of eight; none: 0.
+    int depth = 0;
+    std::vector<std::uint32_t> own;
+    std::span<const std::uint32_t> numbers;  ///< Its own, or those of a larger cell.
+    std::atomic<std::uint32_t> times_asked{0};
+    std::array<std::atomic<Cell*>, 8> children{};
+
+    Cell() = default;
+    ~Cell();
+    Cell(const Cell&) = delete;
+    Cell& operator=(const Cell&) = delete;
+  };
+  struct Tree {
+    Cell root;
+    std::atomic<std::size_t> kept{0};  ///< Numbers in the lists of all cells.
   };
 
-  void split(std::uint32_t cell, int depth, const MayLight& may_light);
+  // The cell of an octant, made; none if the cell is not asked about often enough, or is small.
+  Cell* child(Cell& cell, std::size_t octant, const MayLight& may_light) const;
 
-  std::vector<Cell> cells_;
-  std::vector<std::uint32_t> numbers_;
+  std::unique_ptr<Tree> tree_;
+  float room_ = 1.0f;
 };
 
 }  // namespace abbe

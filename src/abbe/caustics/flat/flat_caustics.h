@@ -54,7 +54,7 @@ struct FlatCaustics {
   /// entry, if only an empty one: its straight rays end at what followed light passes.
   std::vector<std::optional<LightChains>> of_lights;
   ChainIndex near_parallel;  ///< Numbers in ParallelChains::chains.
-  ChainIndex near_point;     ///< Numbers in PointChains::groups.
+  ChainIndex near_point;     ///< Numbers in PointChains::chains.
   /// Per surface: not 0 where light that it lets pass comes on chains.
   std::vector<std::uint8_t> surface_is_exact;
   /// Whether straight lines may cross more facets of glass than chains do.

@@ -72,6 +72,7 @@ struct ConeBunch {
 
 /// A chain of a point or spot light.
 struct PointChain : ChainPath {
+  std::uint32_t group = 0;                          ///< In PointChains::groups.
   std::vector<UnfoldedFace> faces;                  ///< Of each step.
   std::vector<std::uint32_t> crossings;             ///< The steps that refract.
   std::vector<std::optional<std::uint32_t>> media;  ///< Before each crossing and behind the last.
@@ -148,6 +149,22 @@ inline bool may_be_in_bounds(const PlaceInGroup& place, const ConeBounds& bounds
     if (place.along_m[k] > bounds.reach[k] + place.radius_m + grown) return false;
   }
   return true;
+}
+
+/// Whether a ball may get light from a chain; a quick no.
+inline bool may_light(const PointChains& all, const PointChain& chain, const Vec3f& center,
+                      float radius_m) {
+  PlaceInGroup place;
+  if (!may_light(all.groups[chain.group], center, radius_m, place)) return false;
+  if (!may_be_in_bounds(place, chain.bounds)) return false;
+  for (std::uint32_t b = chain.first_bunch; b < chain.last_bunch; ++b) {
+    const ConeBunch& bunch = all.bunches[b];
+    if (!may_be_in_bounds(place, bunch.bounds)) continue;
+    for (std::uint32_t c = bunch.first_cone; c < bunch.last_cone; ++c) {
+      if (may_be_in_bounds(place, all.cones[c])) return true;
+    }
+  }
+  return false;
 }
 
 /// A place of a face, from its coordinates.

@@ -121,7 +121,7 @@ void AddGates(ShadowQueue<D>& shadows, const World& world, const ChainPath& chai
   ShadowJob gate;
   gate.sample = main.sample;
   gate.lanes = main.lanes;
-  gate.spread = true;
+  gate.spread = main.spread;
   gate.gate_of = main.data;
   for (std::size_t s = 0; s < chain.steps.size(); ++s) {
     const ChainStep& step = chain.steps[s];

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <span>
 
+#include "abbe/caustics/flat/light/known_misses.h"
 #include "abbe/caustics/flat/light/parallel-inl.h"
 #include "abbe/caustics/flat/light/point-inl.h"
 #include "abbe/integrate/integrator.h"
@@ -29,13 +30,16 @@ template <class D>
 class DirectLight {
  public:
   DirectLight(const LitWorld& world, const PixelKernel& kernel,
-              std::span<const CameraSample> samples, ShadowQueue<D>& shadows)
+              std::span<const CameraSample> samples, ShadowQueue<D>& shadows, KnownMisses& misses)
       : world_(world),
         caustics_(world.caustics),
         kernel_(kernel),
         samples_(samples),
         shadows_(shadows),
-        stride_(world.lanes.lane_stride()) {}
+        misses_(misses),
+        stride_(world.lanes.lane_stride()) {
+    misses_.start(caustics_.point.chains.size());
+  }
 
   /// Notes the light of every lamp on a surface, to be resolved with the batch.
   void send(const LitSurface& surface) {
@@ -96,13 +100,17 @@ class DirectLight {
     LightGeometry to_light;
     ChainPlaces met;
     const float reach_m = radius_m + pixel.reach_m;
-    for (const std::uint32_t number : caustics_.near_parallel.near(center, reach_m)) {
-      const ParallelChain& chain = caustics_.parallel.chains[number];
+    const std::vector<ParallelChain>& chains = caustics_.parallel.chains;
+    const auto may = [&](std::uint32_t number, const Vec3f& place, float ball_m) {
+      return may_light(chains[number], place, ball_m);
+    };
+    for (const std::uint32_t number : caustics_.near_parallel.near(center, reach_m, may)) {
+      const ParallelChain& chain = chains[number];
       if (!may_light(chain, center, reach_m)) continue;
       if (!comes_in(chain.ends_in(), fan.media)) continue;
       ParallelChainLight<D> light(world_, caustics_.parallel, chain, set);
       if (!light.run(hit.position, rounding_m, pixel, to_light, met)) continue;
-      send_arrived(chain, surface, to_light, met);
+      send_arrived(chain, surface, !chain.disperses && !fan.spread, to_light, met);
     }
   }
 
@@ -116,30 +124,40 @@ class DirectLight {
     const float radius_m = radius_of(surface.where, center) + rounding_m;
     LightGeometry to_light;
     ChainPlaces met;
+    const PointChains& all = caustics_.point;
+    const PointChainGroup* group = nullptr;
+    PlaceInGroup place;
     LanesInGroup<D> places;  // Of a spread fan.
-    for (const std::uint32_t number : caustics_.near_point.near(center, radius_m)) {
-      const PointChainGroup& group = caustics_.point.groups[number];
-      if (!comes_in(group.ends_in, fan.media)) continue;
-      PlaceInGroup place;
-      if (!may_light(group, center, radius_m, place)) continue;
-      if (!is_in_bounds(place, group.bounds)) continue;
-      const LaneMask among = fan.spread
-                                 ? places.place(stride_, group, hit.position, rounding_m, hit.lanes)
-                                 : hit.lanes;
-      if (!among.any()) continue;
-      for (std::uint32_t c = group.first_chain; c < group.first_chain + group.chain_count; ++c) {
-        const PointChain& chain = caustics_.point.chains[c];
-        LaneMask near = among;
-        if (fan.spread) {
-          near = places.in_bounds(stride_, caustics_.point, chain, among);
-          if (!near.any()) continue;
-        } else if (!is_in_bounds(place, caustics_.point, chain)) {
-          continue;
+    LaneMask among;          // Those that the group may light.
+    const auto may = [&](std::uint32_t number, const Vec3f& ball, float ball_m) {
+      return may_light(all, all.chains[number], ball, ball_m);
+    };
+    // Chains of a group follow each other.
+    for (const std::uint32_t number : caustics_.near_point.near(center, radius_m, may)) {
+      const PointChain& chain = all.chains[number];
+      if (group != &all.groups[chain.group]) {
+        group = &all.groups[chain.group];
+        among = {};
+        if (comes_in(group->ends_in, fan.media) && may_light(*group, center, radius_m, place)) {
+          among = fan.spread ? places.place(stride_, *group, hit.position, rounding_m, hit.lanes)
+                             : hit.lanes;
         }
-        PointChainLight<D> light(world_, caustics_.point, chain, set);
-        if (!light.run(hit.position, rounding_m, near, !fan.spread, to_light, met)) continue;
-        send_arrived(chain, surface, to_light, met);
       }
+      if (!among.any()) continue;
+      LaneMask near = among;
+      if (fan.spread) {
+        near = places.in_bounds(stride_, all, chain, among);
+        if (!near.any()) continue;
+      } else if (!is_in_bounds(place, all, chain)) {
+        continue;
+      }
+      if (misses_.hold(number, center, radius_m)) continue;
+      PointChainLight<D> light(world_, all, chain, set);
+      if (!light.run(hit.position, rounding_m, near, !fan.spread, to_light, met)) {
+        misses_.add(number, light.middle(), light.miss());
+        continue;
+      }
+      send_arrived(chain, surface, light.is_one_path(), to_light, met);
     }
   }
 
@@ -154,12 +172,12 @@ class DirectLight {
     return LargestDistance(D(), stride_, where.hit.position, where.hit.lanes, center);
   }
 
-  // Notes the light that a chain brings.
-  void send_arrived(const ChainPath& chain, const LitSurface& surface,
+  // Notes the light that a chain brings, on one path for all lanes or on one for each.
+  void send_arrived(const ChainPath& chain, const LitSurface& surface, bool is_one_path,
                     const LightGeometry& to_light, const ChainPlaces& met) {
     ShadowJob job;
     if (!begin_job(surface, to_light, job)) return;
-    job.spread = true;
+    job.spread = !is_one_path;
     job.at_glass = AtGlass::Ends;
     const auto place_of = [&](int lane) {
       const SurfaceHit& hit = surface.where.hit;
@@ -189,6 +207,7 @@ class DirectLight {
   const PixelKernel& kernel_;
   std::span<const CameraSample> samples_;
   ShadowQueue<D>& shadows_;
+  KnownMisses& misses_;
   const int stride_;
 };
 

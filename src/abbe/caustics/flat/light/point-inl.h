@@ -50,11 +50,19 @@ class PointChainLight {
         set_(set),
         count_(chain.crossings.size()) {}
 
+  /// Whether, after run(), all lanes go the same way.
+  bool is_one_path() const { return is_one_place_ && !(widest_ > 0.0); }
+
+  /// After run() that found nothing: what the path to the middle of the places misses, if known.
+  const Miss& miss() const { return miss_; }
+  const Vec3f& middle() const { return center_; }
+
   /// As ParallelChainLight does for parallel light. The places of `lanes` count; they are one place
   /// where `is_one_place`.
   bool run(const LaneArray3& positions, float rounding_m, const LaneMask& lanes, bool is_one_place,
            LightGeometry& geometry, ChainPlaces& met) {
     rounding_m_ = rounding_m;
+    is_one_place_ = is_one_place;
     if (!start(positions, lanes, is_one_place)) return false;
     const D d;
     const int stride = tables_.lanes.lane_stride();
@@ -69,9 +77,6 @@ class PointChainLight {
  private:
   using V = VecOf<D>;
   using V3 = Vec3Of<D>;
-
-  // Times the radius of a face: paths that pass it by so far need not be known better.
-  static constexpr double kMissReach = 1.5;
 
   double index(std::size_t segment, int lane) const {
     const auto& medium = chain_.media[segment];
@@ -88,17 +93,18 @@ class PointChainLight {
   // may yet arrive.
   bool start(const LaneArray3& positions, const LaneMask& lanes, bool is_one_place) {
     const int lane_count = tables_.lanes.lane_count();
-    Vec3f center = positions.get(lanes.front());
+    center_ = positions.get(lanes.front());
+    miss_ = {};
     float radius_m = 0.0f;
     if (!is_one_place) {
       Vec3f sum(0.0f);
       for (int lane = 0; lane < lane_count; ++lane) {
         if (lanes.test(lane)) sum += positions.get(lane);
       }
-      center = sum / static_cast<float>(lanes.count());
-      radius_m = LargestDistance(D(), tables_.lanes.lane_stride(), positions, lanes, center);
+      center_ = sum / static_cast<float>(lanes.count());
+      radius_m = LargestDistance(D(), tables_.lanes.lane_stride(), positions, lanes, center_);
     }
-    middle_ = off_last_face(chain_, unfolded(center));
+    middle_ = off_last_face(chain_, unfolded(center_));
     if (count_ == 0) return true;
     std::array<double, kMaxRefractions + 1> n{};
     std::array<double, kMaxRefractions + 1> change{};
@@ -116,15 +122,26 @@ class PointChainLight {
       }
     }
     const std::span<const double> indices(n.data(), count_ + 1);
-    const bool is_one_path = !(widest_ > 0.0 || radius_m > 0.0f);
-    has_middle_ =
-        solve_crossings(chain_, indices, middle_, crossings_, is_one_path ? kMissReach : 0.0);
-    if (!has_middle_) return widest_ > 0.0 && any_end_arrives(n, change);
+    // Far from the outline of a face, no other lane will be inside.
     slopes_ = CrossingSlopes{};
+    bool passes_by = false;
+    const auto certainly_misses = [&](const Crossings& at, double off_m) {
+      if (may_cross(chains_, chain_, at, off_m)) return false;
+      slopes_ = crossing_slopes(chain_, indices, {change.data(), count_ + 1}, middle_, at);
+      passes_by = !may_cross(chains_, chain_, at, slopes_, static_cast<double>(radius_m), off_m);
+      if (passes_by) {
+        miss_ = clearest_miss(chains_, chain_, middle_, at, slopes_, off_m);
+      }
+      return passes_by;
+    };
+    has_middle_ = solve_crossings(chain_, indices, middle_, crossings_, certainly_misses);
+    if (passes_by) return false;
+    if (!has_middle_) return widest_ > 0.0 && any_end_arrives(n, change);
+    if (certainly_misses(crossings_, 0.0)) return false;
     if (widest_ > 0.0 || radius_m > 0.0f) {
       slopes_ = crossing_slopes(chain_, indices, {change.data(), count_ + 1}, middle_, crossings_);
     }
-    return may_cross(static_cast<double>(radius_m));
+    return true;
   }
 
   bool any_end_arrives(const std::array<double, kMaxRefractions + 1>& n,
@@ -136,22 +153,6 @@ class PointChainLight {
       if (solve_crossings(chain_, {end.data(), count_ + 1}, middle_, crossings)) return true;
     }
     return false;
-  }
-
-  // Far from the outline of a face, no other lane will be inside: what crossings move by is taken
-  // four times.
-  bool may_cross(double radius_m) const {
-    for (std::size_t k = 0; k < count_; ++k) {
-      const UnfoldedFace& face = chain_.faces[chain_.crossings[k]];
-      double moves = 0.5 * glm::length(slopes_.by_index[k]);
-      for (const Crossings& by_place : slopes_.by_place) {
-        moves += radius_m * glm::length(by_place[k]);
-      }
-      const double room = 4.0 * moves + 1e-5 * face.radius_m;
-      const FaceFrame& frame = chains_.frames[face.face];
-      if (frame.distance_inside(crossings_[k]) < -room) return false;
-    }
-    return true;
   }
 
   V3 set3(const Vec3d& v) const { return Set3(D(), Vec3f(v)); }
@@ -274,9 +275,10 @@ class PointChainLight {
       for (std::size_t j = 0; j <= count_; ++j) n[j] = index(j, lane);
       Crossings crossings{};
       const Vec3d goal = off_last_face(chain_, Vec3d(xs[k], ys[k], zs[k]));
-      if (!solve_crossings(chain_, {n.data(), count_ + 1}, goal, crossings, kMissReach)) {
-        continue;
-      }
+      const auto gives_up = [&](const Crossings& at, double off_m) {
+        return !may_cross(chains_, chain_, at, off_m);
+      };
+      if (!solve_crossings(chain_, {n.data(), count_ + 1}, goal, crossings, gives_up)) continue;
       if (!goes_ahead(chain_, crossings)) continue;
       us[k] = static_cast<float>(crossings[0].x);
       vs[k] = static_cast<float>(crossings[0].y);
@@ -429,6 +431,9 @@ class PointChainLight {
   const int set_;
   const std::size_t count_;
   float rounding_m_ = 0.0f;
+  bool is_one_place_ = false;
+  Vec3f center_{0.0f};  ///< Of the places; `middle_` is it in the unfolded space.
+  Miss miss_;
   Vec3d middle_{0.0};
   bool has_middle_ = false;
   Crossings crossings_{};

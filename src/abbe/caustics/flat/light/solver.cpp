@@ -14,6 +14,8 @@ using Mat2d = glm::dmat2;
 constexpr int kMaxSteps = 40;
 // A step shorter than this share of the shortest segment comes near the path.
 constexpr double kNear = 0.1;
+// What is left behind such a step is less than it, times this to be sure.
+constexpr double kSurely = 4.0;
 // Of a step, the smallest part that is tried.
 constexpr double kLeastStep = 0.01;
 // A segment between planes that meet, this much shorter than the whole path, has shrunk to a point:
@@ -175,15 +177,6 @@ void guess(const PointChain& chain, const Vec3d& place, Crossings& at) {
   }
 }
 
-// Whether what is nearly a path certainly passes a face by, outside of `reach` times its radius.
-bool misses(const PointChain& chain, const Crossings& at, double step, double reach) {
-  for (std::size_t k = 0; k < chain.crossings.size(); ++k) {
-    const UnfoldedFace& face = chain.faces[chain.crossings[k]];
-    if (glm::length(at[k] - face.center) > reach * face.radius_m + 4.0 * step) return true;
-  }
-  return false;
-}
-
 double size_of(const Crossings& step, std::size_t count) {
   double square = 0.0;
   for (std::size_t k = 0; k < count; ++k) square = std::max(square, glm::dot(step[k], step[k]));
@@ -230,6 +223,29 @@ bool is_least_at_edge(const PointChain& chain, std::span<const double> n, const 
   return square + edgewise * edgewise < n[1] * n[1] * (1.0 - 1e-6);
 }
 
+// A line a·u + b·v + c = 0 between a place and the outline of a face, which lies where that is
+// positive: an edge or, where pieces meet, a tangent to the circle about them all.
+Vec3d line_before(const FaceFrame& frame, const UnfoldedFace& face, const Vec2d& at) {
+  const Vec2d off = at - face.center;
+  const double far = glm::length(off);
+  Vec3d line(0.0, 0.0, face.radius_m);
+  if (far > 0.0) line = {-off / far, face.radius_m + glm::dot(off, face.center) / far};
+  if (frame.pieces.size() > 1) return line;
+  for (const Vec3f& edge : frame.pieces.front()) {
+    const Vec3d other(edge);
+    if (glm::dot(Vec2d(other), at) + other.z < glm::dot(Vec2d(line), at) + line.z) line = other;
+  }
+  return line;
+}
+
+// The largest stretch of a map from space to a plane, by its columns.
+double most_per_metre(const Vec2d& x, const Vec2d& y, const Vec2d& z) {
+  const double a = x.x * x.x + y.x * y.x + z.x * z.x;
+  const double b = x.y * x.y + y.y * y.y + z.y * z.y;
+  const double c = x.x * x.y + y.x * y.y + z.x * z.y;
+  return std::sqrt(0.5 * (a + b) + std::sqrt(0.25 * (a - b) * (a - b) + c * c));
+}
+
 }  // namespace
 
 Vec3d off_last_face(const PointChain& chain, const Vec3d& place) {
@@ -242,7 +258,7 @@ Vec3d off_last_face(const PointChain& chain, const Vec3d& place) {
 }
 
 bool solve_crossings(const PointChain& chain, std::span<const double> n, const Vec3d& place,
-                     Crossings& crossings, double reach) {
+                     Crossings& crossings, const GivesUp& gives_up) {
   PlaneSequence planes(chain, n, place);
   if (planes.count() == 0) return true;
   guess(chain, place, crossings);
@@ -264,7 +280,7 @@ bool solve_crossings(const PointChain& chain, std::span<const double> n, const V
       return there;
     };
     const bool is_near = size < kNear * scale;
-    if (reach > 0.0 && is_near && misses(chain, crossings, size, reach)) return false;
+    if (gives_up && is_near && gives_up(moved(step), kSurely * size)) return false;
     // Where steps are small they converge quadratically, and lengths no longer tell.
     if (size < 1e-3 * scale) {
       crossings = moved(step);
@@ -294,9 +310,10 @@ bool solve_crossings(const PointChain& chain, std::span<const double> n, const V
       crossings = there;
       length = there_length;
     }
+    if (i == 1 && planes.has_edges() && is_least_at_edge(chain, n, place)) return false;
     if (is_shorter) continue;
     if (!has_rounded && planes.has_edges()) {
-      if (is_least_at_edge(chain, n, place)) return false;
+      if (i == 0 && is_least_at_edge(chain, n, place)) return false;
       has_rounded = true;
       planes.round_edges(kFirstRounding);
       length = planes.look_at(crossings);
@@ -347,6 +364,51 @@ CrossingSlopes crossing_slopes(const PointChain& chain, std::span<const double> 
     planes.solve(result);
   }
   return slopes;
+}
+
+bool may_cross(const PointChains& all, const PointChain& chain, const Crossings& crossings,
+               double off_m) {
+  return may_cross(all, chain, crossings, CrossingSlopes{}, 0.0, off_m);
+}
+
+bool may_cross(const PointChains& all, const PointChain& chain, const Crossings& crossings,
+               const CrossingSlopes& slopes, double radius_m, double off_m) {
+  for (std::size_t k = 0; k < chain.crossings.size(); ++k) {
+    const UnfoldedFace& face = chain.faces[chain.crossings[k]];
+    double moves = 0.5 * glm::length(slopes.by_index[k]);
+    for (const Crossings& by_place : slopes.by_place) moves += radius_m * glm::length(by_place[k]);
+    const double room = 4.0 * moves + 1e-5 * face.radius_m + off_m;
+    if (all.frames[face.face].distance_inside(crossings[k]) < -room) return false;
+  }
+  return true;
+}
+
+Miss clearest_miss(const PointChains& all, const PointChain& chain, const Vec3d& place,
+                   const Crossings& crossings, const CrossingSlopes& slopes, double off_m) {
+  Miss miss;
+  // Closer to the last face, and far from where its light goes, crossings move less evenly.
+  const UnfoldedFace& end = chain.faces.back();
+  const double height_m = std::abs(glm::dot(end.normal, place - end.origin));
+  const double even_m = std::min(height_m, 2.0 * end.radius_m);
+  for (std::size_t k = 0; k < chain.crossings.size(); ++k) {
+    const UnfoldedFace& face = chain.faces[chain.crossings[k]];
+    const Vec3d line = line_before(all.frames[face.face], face, crossings[k]);
+    const double height = glm::dot(Vec2d(line), crossings[k]) + line.z;
+    const double room = 2.0 * glm::length(slopes.by_index[k]) + off_m + 1e-5 * face.radius_m;
+    if (!(-height - room > static_cast<double>(miss.outside_m))) continue;
+    miss.outside_m = static_cast<float>(-height - room);
+    Vec3d per_m(0.0);
+    for (int axis = 0; axis < 3; ++axis) {
+      per_m[axis] = -glm::dot(Vec2d(line), slopes.by_place[static_cast<std::size_t>(axis)][k]);
+    }
+    miss.per_m = Vec3f(glm::transpose(chain.fold) * per_m);
+    const double stretch =
+        most_per_metre(slopes.by_place[0][k], slopes.by_place[1][k], slopes.by_place[2][k]);
+    miss.stretch = static_cast<float>(stretch);
+    // What is stretched is so because it grazes.
+    miss.even_m = static_cast<float>(even_m / std::max(1.0, stretch));
+  }
+  return miss;
 }
 
 double crossing_jacobian(const PointChain& chain, std::span<const double> n, const Vec3d& place,

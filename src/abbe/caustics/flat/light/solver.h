@@ -3,14 +3,19 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <span>
 
+#include "abbe/caustics/flat/light/known_misses.h"
 #include "abbe/caustics/flat/point_chain.h"
 
 namespace abbe {
 
 /// Where light crosses the refracting faces of a chain, in the coordinates of their frames.
 using Crossings = std::array<Vec2d, kMaxRefractions>;
+
+/// Whether a path is of no use whose crossings are these, off by at most so much.
+using GivesUp = std::function<bool(const Crossings& at, double off_m)>;
 
 /// How crossings move.
 struct CrossingSlopes {
@@ -28,14 +33,14 @@ Vec3d off_last_face(const PointChain& chain, const Vec3d& place);
 /// path, the sum is rounded off at the edges that planes meet in, less and less: so paths that end
 /// at an edge are told from those that pass close to it. Else a step of Weiszfeld's, which always
 /// shortens it.
-/// With a `reach`, a path that leaves faces by more than that times their radius is not followed to
-/// its end.
+/// Once steps get shorter fast, `gives_up` is asked whether to go on.
 /// Shape:  one index per segment, chain.crossings.size() + 1 of them.
 /// Domain: place is relative to the chain's origin, and unfolded. Without crossings always true.
 /// Errors: false where no smooth minimum was found: the path wants to pass an edge, or misses
-/// faces. Source: Weiszfeld, Tohoku Math. J. 43, 1937, for the step that always shortens.
+/// faces, or it was given up. Source: Weiszfeld, Tohoku Math. J. 43, 1937, for the step that always
+/// shortens.
 bool solve_crossings(const PointChain& chain, std::span<const double> n, const Vec3d& place,
-                     Crossings& crossings, double reach = 0.0);
+                     Crossings& crossings, const GivesUp& gives_up = {});
 
 /// Whether light that goes on over those crossings leaves each plane on its far side. The least
 /// path may turn back at one; light does not.
@@ -46,6 +51,23 @@ bool goes_ahead(const PointChain& chain, const Crossings& crossings);
 CrossingSlopes crossing_slopes(const PointChain& chain, std::span<const double> n,
                                std::span<const double> n_change, const Vec3d& place,
                                const Crossings& crossings);
+
+/// Whether a path, off by at most so much, may stay inside the outlines of all faces that it
+/// crosses.
+bool may_cross(const PointChains& all, const PointChain& chain, const Crossings& crossings,
+               double off_m);
+
+/// The same for paths to places within a radius of one that was solved, at any wavelength; what
+/// crossings move by is taken four times.
+/// Domain: as crossing_slopes, the change of indices being from the least to the greatest.
+bool may_cross(const PointChains& all, const PointChain& chain, const Crossings& crossings,
+               const CrossingSlopes& slopes, double radius_m, double off_m = 0.0);
+
+/// The face whose outline a path to a place leaves most clearly, at any wavelength, if any; the
+/// path is off by at most so much. Units: world coordinates but for `place`. Domain: as
+/// crossing_slopes.
+Miss clearest_miss(const PointChains& all, const PointChain& chain, const Vec3d& place,
+                   const Crossings& crossings, const CrossingSlopes& slopes, double off_m);
 
 /// Solid angle at the lamp over area across the beam at the place, m⁻², of a path that
 /// solve_crossings found: what the irradiance is for a lamp of intensity 1 and no losses.

@@ -117,7 +117,9 @@ class Searcher {
       pending_.clear();
       widest_rad_ = 0.0;
       axes_.assign(1, cone.axis);
-      for (const std::uint32_t node : start.nodes) arrive(cone, node, 1.0);
+      BeamCone from_lamp{lamp_, 0.0, cone.axis, cone.angle_rad};
+      if (!(cone.angle_rad < 0.5 * kPi)) from_lamp = cone;
+      for (const std::uint32_t node : start.nodes) arrive(from_lamp, cone, node, 1.0);
       again = widest_rad_ > kStillNarrow_rad && cuts < max_cuts_ + kMaxFurtherCuts &&
               cone.radius_m > 0.02 * body_radius_m_;
     }
@@ -131,15 +133,17 @@ class Searcher {
     pending_.clear();
   }
 
-  // The cone behind the face of a node, where it has come, and from there on. `share` bounds the
-  // irradiance that it has kept.
-  void arrive(const BeamCone& incoming, std::uint32_t number, double share) {
+  // The light of a cone behind the face of a node, and from there on. `beam` has gone straight or
+  // been reflected since it was refracted last; `spot` is the same light with its ball where it
+  // meets the face. `share` bounds the irradiance that it has kept.
+  void arrive(const BeamCone& beam, const BeamCone& spot, std::uint32_t number, double share) {
     const PathNode& node = tree_.nodes[number];
     const Facet& plane = plane_of(node.place);
     const FacetMedia media = search_.media_of(plane);
     const bool from_inside = comes_from_inside(node.event);
-    const BeamCone cone = crossing(incoming, from_inside ? plane.normal : -plane.normal);
+    const BeamCone cone = crossing(spot, from_inside ? plane.normal : -plane.normal);
     BeamCone behind = cone;
+    BeamCone goes_on;
     double kept = share;
     if (refracts(node.event)) {
       MaterialRange before = search_.range_of(media.outside);
@@ -149,23 +153,30 @@ class Searcher {
           refracted_cone(cone, plane.normal, after.low / before.high, after.high / before.low);
       if (!refracted) return;
       behind = *refracted;
+      goes_on = behind;
       kept *= transmitted(cone, plane, media, from_inside);
     } else {
+      // The ball is mirrored rather than where it meets the face: aslant that is larger, each time.
       behind.axis = reflected_direction(cone.axis, plane.normal);
+      goes_on = beam;
+      goes_on.axis = reflected_direction(beam.axis, plane.normal);
+      goes_on.center -= 2.0 * (glm::dot(plane.normal, beam.center) - plane.distance) * plane.normal;
       kept *= reflected(cone, plane, media, from_inside);
     }
     path_.push_back({node.place, node.event});
     axes_.push_back(behind.axis);
     if (search_.lights_places(node.region)) {
       widest_rad_ = std::max(widest_rad_, behind.angle_rad);
-      pending_.push_back({path_, axes_, behind, kept});
+      pending_.push_back({path_, axes_, beam, behind, kept});
     }
     for (const std::uint32_t child : node.children) {
       const PathNode& next = tree_.nodes[child];
       const bool inside = comes_from_inside(next.event);
       const double cosine = glm::dot(plane_of(next.place).normal, behind.axis);
       if ((inside ? cosine : -cosine) <= -std::sin(std::min(behind.angle_rad, 0.5 * kPi))) continue;
-      if (const auto arrived = arrival(behind, next.place, inside)) arrive(*arrived, child, kept);
+      if (const auto arrived = arrival(goes_on, next.place, inside)) {
+        arrive(goes_on, *arrived, child, kept);
+      }
     }
     path_.pop_back();
     axes_.pop_back();

@@ -22,7 +22,8 @@ struct FaceEvent {
 struct ConeOnPath {
   std::vector<FaceEvent> path;
   std::vector<Vec3d> axes;  ///< Before the first face and behind each, in the world.
-  BeamCone cone;            ///< Behind the last face; world coordinates.
+  BeamCone before;          ///< As it comes to the last face; its ball may lie far before it.
+  BeamCone behind;          ///< Behind the last face, its ball on it.
   double largest = 0.0;     ///< Bound of what it adds to the light of the lamp.
 };
 

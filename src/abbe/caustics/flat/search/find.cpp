@@ -127,18 +127,11 @@ FlatCaustics find_flat_caustics(const Scene& scene, const TabulatedScene& tables
   const Box3d all = bounds_of(scene);
   Box3f bounds;
   if (!all.is_empty()) bounds = {Vec3f(all.low), Vec3f(all.high)};
-  const std::vector<ParallelChain>& parallel = result.parallel.chains;
-  result.near_parallel = ChainIndex(bounds, static_cast<std::uint32_t>(parallel.size()),
-                                    [&](std::uint32_t i, const Vec3f& center, float radius_m) {
-                                      return may_light(parallel[i], center, radius_m);
-                                    });
-  const std::vector<PointChainGroup>& groups = result.point.groups;
-  result.near_point = ChainIndex(bounds, static_cast<std::uint32_t>(groups.size()),
-                                 [&](std::uint32_t i, const Vec3f& center, float radius_m) {
-                                   PlaceInGroup place;
-                                   return may_light(groups[i], center, radius_m, place) &&
-                                          may_be_in_bounds(place, groups[i].bounds);
-                                 });
+  // Parallel light is asked about for whole pixels.
+  result.near_parallel =
+      ChainIndex(bounds, static_cast<std::uint32_t>(result.parallel.chains.size()), 1.0f);
+  result.near_point =
+      ChainIndex(bounds, static_cast<std::uint32_t>(result.point.chains.size()), 0.125f);
   result.of_lights = by_light(result.parallel, result.point, scene.lights.size());
   return result;
 }

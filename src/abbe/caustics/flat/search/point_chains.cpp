@@ -113,17 +113,23 @@ class Maker {
 
   void gather(const ConeOnPath& found, Gathered& into) const {
     const FaceFrame& frame = chains_.frames[found.path.back().face];
+    const std::uint32_t face = found.path.back().face;
     const Vec3d normal = lit_normal(found.path);
-    const Vec3d from_origin = found.cone.center - frame.origin;
     into.largest = std::max(into.largest, found.largest);
     if (into.axes.empty()) into.axes.resize(found.axes.size(), Vec3d(0.0));
     for (std::size_t i = 0; i < found.axes.size(); ++i) into.axes[i] += found.axes[i];
     Bounds& bounds = into.cones.emplace_back();
+    // The normal on the side to which light goes when it comes to the face.
+    const Vec3d ahead = comes_from_inside(found.path.back().event) ? frame.normal : -frame.normal;
     for (std::size_t k = 0; k < 8; ++k) {
       const Vec3d along = static_cast<double>(kBoundCosine[k]) * frame.u +
                           static_cast<double>(kBoundSine[k]) * frame.v;
-      bounds.reach[k] = glm::dot(along, from_origin) + found.cone.radius_m;
-      bounds.slope[k] = largest_slope(found.cone, along, normal);
+      const auto ball_reach = [&](const BeamCone& cone) {
+        return glm::dot(along, cone.center - frame.origin) + cone.radius_m;
+      };
+      bounds.reach[k] = std::min({ball_reach(found.behind), reach_of(face, along),
+                                  reach_on_plane(found.before, frame.origin, ahead, along)});
+      bounds.slope[k] = largest_slope(found.behind, along, normal);
     }
   }
 
@@ -154,6 +160,34 @@ class Maker {
   }
 
  private:
+  // How far the light of a cone goes in a direction where it meets a plane, from its origin: rays
+  // from a place p at height h before it come to u·p + h·slope, largest over the ball and for the
+  // least or the greatest slope.
+  static double reach_on_plane(const BeamCone& cone, const Vec3d& origin, const Vec3d& ahead,
+                               const Vec3d& along) {
+    const Vec3d from_origin = cone.center - origin;
+    const double height = -glm::dot(ahead, from_origin);
+    double most = -std::numeric_limits<double>::infinity();
+    for (const double slope :
+         {largest_slope(cone, along, ahead), -largest_slope(cone, -along, ahead)}) {
+      if (!std::isfinite(slope)) return std::numeric_limits<double>::infinity();
+      most = std::max(most, height * slope + cone.radius_m * std::sqrt(1.0 + slope * slope));
+    }
+    return glm::dot(along, from_origin) + most;
+  }
+
+  // How far a face goes in a direction, from the origin of its frame.
+  double reach_of(std::uint32_t number, const Vec3d& along) const {
+    const Face& face = flat_.faces[number];
+    double most = -std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = 0; i < face.facet_count; ++i) {
+      for (const Vec3d& corner : flat_.facets[face.first_facet + i].corners) {
+        most = std::max(most, glm::dot(along, corner - chains_.frames[number].origin));
+      }
+    }
+    return most;
+  }
+
   // The light of a chain, whole and in parts; cones that follow each other are neighbours.
   void bound(const std::vector<Bounds>& cones, PointChain& chain) const {
     std::vector<ConeBounds>& parts = chains_.cones;
@@ -269,9 +303,11 @@ ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::
 void sort_point_chains(PointChains& all) {
   const auto larger = [](const auto& a, const auto& b) { return a.largest > b.largest; };
   std::stable_sort(all.groups.begin(), all.groups.end(), larger);
-  for (const PointChainGroup& group : all.groups) {
+  for (std::uint32_t number = 0; number < all.groups.size(); ++number) {
+    const PointChainGroup& group = all.groups[number];
     const auto first = all.chains.begin() + group.first_chain;
     std::stable_sort(first, first + group.chain_count, larger);
+    for (auto chain = first; chain != first + group.chain_count; ++chain) chain->group = number;
   }
 }
 

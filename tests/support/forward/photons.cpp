@@ -325,9 +325,10 @@ class Follower {
   void land(const Photon& photon) {
     const Rectangle& receiver = setup_.receiver;
     const Vec3d at = photon.from - receiver.center;
-    const double half = glm::length(receiver.x);
+    // The wall it lies on may have been rounded to single precision.
+    const double near = 1e-6 * (glm::length(receiver.x) + glm::length(receiver.center));
     if (glm::dot(photon.direction, receiver.normal()) >= 0.0 ||
-        std::abs(glm::dot(at, receiver.normal())) > 1e-6 * half)
+        std::abs(glm::dot(at, receiver.normal())) > near)
       return;
     const double x = 0.5 + 0.5 * glm::dot(at, receiver.x) / glm::dot(receiver.x, receiver.x);
     const double y = 0.5 - 0.5 * glm::dot(at, receiver.y) / glm::dot(receiver.y, receiver.y);

@@ -60,7 +60,7 @@ KdTree KdTree::build(const ShapeSpans& shapes, const KdTreeConfig& config) {
   view.nodes = data->arrays.nodes.data();
   // Without triangles there is nothing to read; what is fetched ahead has an address all the same.
   static constexpr BlockLine kNoBlock{};
-  view.blocks = data->arrays.blocks.empty() ? &kNoBlock : data->arrays.blocks.data();
+  view.blocks = data->arrays.blocks.size() == 0 ? &kNoBlock : data->arrays.blocks.data();
   view.lines_ahead = data->arrays.lines_ahead;
   view.mixed_leaves = data->arrays.mixed_leaves.data();
   view.leaf_solids = data->arrays.solids.data();

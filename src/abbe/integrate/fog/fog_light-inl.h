@@ -27,11 +27,13 @@ namespace HWY_NAMESPACE {
 template <class D>
 class FogLight {
  public:
-  FogLight(const LitWorld& world, std::span<const CameraSample> samples, ShadowQueue<D>& shadows)
+  FogLight(const LitWorld& world, std::span<const CameraSample> samples, ShadowQueue<D>& shadows,
+           KnownMisses& misses)
       : world_(world),
         caustics_(world.caustics),
         samples_(samples),
         shadows_(shadows),
+        misses_(misses),
         stride_(world.lanes.lane_stride()) {}
 
   /// Light of the lamps that fog scatters into rays outside of all bodies.
@@ -208,28 +210,36 @@ class FogLight {
     LightGeometry to_light;
     ChainPlaces met;
     for (const PointChainGroup& group : caustics_.point.groups) {
-      if (group.ends_in || !find_segment(in_fog, group, group.bounds, lit)) continue;
+      if (group.ends_in || !find_segment(in_fog, group, nullptr, lit)) continue;
       for (std::uint32_t c = group.first_chain; c < group.first_chain + group.chain_count; ++c) {
         const PointChain& chain = caustics_.point.chains[c];
-        if (!find_segment(in_fog, group, chain.bounds, lit)) continue;
+        if (!find_segment(in_fog, group, &chain, lit)) continue;
         for (int piece = 0; piece < pieces(in_fog.fan); ++piece) {
           const LitFog fog = fog_at(in_fog, at_depth(spread, lit, share_of(in_fog.fan, piece)));
+          if (!spread && misses_.hold(c, fog.places.get(0), 0.0f)) continue;
           PointChainLight<D> light(world_, caustics_.point, chain, in_fog.set);
-          if (!light.run(fog.places, 0.0f, in_fog.lanes, !spread, to_light, met)) continue;
+          if (!light.run(fog.places, 0.0f, in_fog.lanes, !spread, to_light, met)) {
+            misses_.add(c, light.middle(), light.miss());
+            continue;
+          }
           send_arrived(chain, in_fog, fog, to_light, met);
         }
       }
     }
   }
 
-  // The part of every lane's ray that may lie in the bounds of a chain or of a group of them.
-  bool find_segment(const FanInFog& in_fog, const PointChainGroup& group, const ConeBounds& bounds,
+  // The part of every lane's ray that may lie in the light of a group or of one of its chains.
+  bool find_segment(const FanInFog& in_fog, const PointChainGroup& group, const PointChain* chain,
                     LaneSegments& lit) const {
     bool any = false;
     for_rays(in_fog.fan.spread, [&](int lane) {
+      const Vec3f origin = in_fog.rays.origin.get(lane);
+      const Vec3f direction = in_fog.rays.direction.get(lane);
+      const float end_m = in_fog.rays.end_m[lane];
       const RaySegment segment =
-          SegmentInBounds(group, bounds, in_fog.rays.origin.get(lane),
-                          in_fog.rays.direction.get(lane), in_fog.rays.end_m[lane]);
+          chain == nullptr
+              ? SegmentInBounds(group, group.bounds, origin, direction, end_m)
+              : SegmentInCones(group, caustics_.point, *chain, origin, direction, end_m);
       any |= segment.begin_m < segment.end_m;
       lit.begin_m[lane] = segment.begin_m;
       lit.end_m[lane] = std::max(segment.begin_m, segment.end_m);
@@ -272,6 +282,7 @@ class FogLight {
   const FlatCaustics& caustics_;
   std::span<const CameraSample> samples_;
   ShadowQueue<D>& shadows_;
+  KnownMisses& misses_;
   const int stride_;
 };
 

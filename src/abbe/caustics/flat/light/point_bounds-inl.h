@@ -158,6 +158,31 @@ inline RaySegment SegmentInBounds(const PointChainGroup& group, const ConeBounds
   return {first, last};
 }
 
+/// The same for the light of a chain: from where the ray enters the first of its parts to where it
+/// leaves the last.
+inline RaySegment SegmentInCones(const PointChainGroup& group, const PointChains& all,
+                                 const PointChain& chain, const Vec3f& origin,
+                                 const Vec3f& direction, float end_m) {
+  const auto in = [&](const ConeBounds& bounds) {
+    return SegmentInBounds(group, bounds, origin, direction, end_m);
+  };
+  const auto is_there = [](const RaySegment& segment) { return segment.begin_m < segment.end_m; };
+  RaySegment found;
+  const RaySegment whole = in(chain.bounds);
+  if (!is_there(whole)) return found;
+  for (std::uint32_t b = chain.first_bunch; b < chain.last_bunch; ++b) {
+    const ConeBunch& bunch = all.bunches[b];
+    if (!is_there(in(bunch.bounds))) continue;
+    for (std::uint32_t c = bunch.first_cone; c < bunch.last_cone; ++c) {
+      const RaySegment part = in(all.cones[c]);
+      if (!is_there(part)) continue;
+      if (!is_there(found)) found = part;
+      found = {std::min(found.begin_m, part.begin_m), std::max(found.end_m, part.end_m)};
+    }
+  }
+  return found;
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace abbe
 HWY_AFTER_NAMESPACE();

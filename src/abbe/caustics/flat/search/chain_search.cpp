@@ -1,20 +1,37 @@
 #include "abbe/caustics/flat/search/chain_search.h"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 #include <utility>
 
 namespace abbe {
 
-std::vector<MaterialRange> material_ranges(const TabulatedScene& tables) {
+std::vector<MaterialRange> material_ranges(const TabulatedScene& tables, double first,
+                                           double last) {
+  // The numbers of the waves by wavelength, those of all sets together.
+  const auto lanes = static_cast<std::size_t>(tables.lanes.lane_count());
+  std::vector<std::pair<std::size_t, int>> waves;
+  for (int set = 0; set < tables.lanes.set_count(); ++set) {
+    for (std::size_t lane = 0; lane < lanes; ++lane) waves.emplace_back(lane, set);
+  }
+  const auto inverse = [&](const auto& wave) {
+    return tables.row(tables.inverse_wavelength, wave.second)[wave.first];
+  };
+  std::stable_sort(waves.begin(), waves.end(),
+                   [&](const auto& a, const auto& b) { return inverse(a) > inverse(b); });
+  const auto place = [&](double share) {
+    return static_cast<std::size_t>(std::lround(share * static_cast<double>(waves.size())));
+  };
+  const std::span part = std::span(waves).subspan(place(first), place(last) - place(first));
   std::vector<MaterialRange> ranges;
+  if (part.empty()) return ranges;
   for (const SurfaceMaterial& material : tables.materials) {
-    // The least and the greatest of a row over all sets.
     const auto extent = [&](RowId row) {
-      auto found = std::pair(tables.row(row, 0)[0], tables.row(row, 0)[0]);
-      for (int set = 0; set < tables.lanes.set_count(); ++set) {
-        const float* values = tables.row(row, set);
-        const auto [low, high] = std::minmax_element(values, values + tables.lanes.lane_count());
-        found = {std::min(found.first, *low), std::max(found.second, *high)};
+      const auto value = [&](const auto& wave) { return tables.row(row, wave.second)[wave.first]; };
+      auto found = std::pair(value(part.front()), value(part.front()));
+      for (const auto& wave : part) {
+        found = {std::min(found.first, value(wave)), std::max(found.second, value(wave))};
       }
       return found;
     };

@@ -20,8 +20,10 @@ struct MaterialRange {
   bool disperses() const { return low < high; }
 };
 
-/// Of each material.
-std::vector<MaterialRange> material_ranges(const TabulatedScene& tables);
+/// Of each material, over waves [first, last) of those in the order of their wavelengths.
+/// Domain: shares of them in [0, 1].
+std::vector<MaterialRange> material_ranges(const TabulatedScene& tables, double first = 0.0,
+                                           double last = 1.0);
 
 /// Where chains are searched for, and how.
 struct ChainSearch {

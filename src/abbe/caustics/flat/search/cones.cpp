@@ -25,6 +25,9 @@ constexpr int kMaxCuts = 10;
 constexpr int kMaxFurtherCuts = 4;
 // Of many faces, so many cones are sent at first in all.
 constexpr double kFirstCones = 16000.0;
+// Where glass disperses, wavelengths are followed in so many parts: a cone widens in all
+// directions, a spectrum in one.
+constexpr int kSlices = 4;
 
 class Searcher {
  public:
@@ -34,7 +37,16 @@ class Searcher {
         source_(light),
         tables_(search.tables),
         flat_(search.flat),
-        lamp_(light.to_world[3]) {}
+        lamp_(light.to_world[3]) {
+    const auto disperses = [](const MaterialRange& range) { return range.disperses(); };
+    const bool is_one = std::none_of(search.ranges.begin(), search.ranges.end(), disperses);
+    const int slices = is_one ? 1 : kSlices;
+    for (int i = 0; i < slices; ++i) {
+      std::vector<MaterialRange> ranges = material_ranges(tables_, static_cast<double>(i) / slices,
+                                                          static_cast<double>(i + 1) / slices);
+      if (!ranges.empty()) slices_.push_back(std::move(ranges));
+    }
+  }
 
   std::vector<ConeOnPath> run() {
     for (const std::uint32_t child : tree_.nodes[0].children) {
@@ -70,6 +82,11 @@ class Searcher {
     std::uint32_t face = 0;
     std::vector<std::uint32_t> nodes;
   };
+
+  MaterialRange range_of(const SurfaceMaterial* medium) const {
+    if (medium == nullptr) return {};
+    return (*ranges_)[static_cast<std::size_t>(medium - tables_.materials.data())];
+  }
 
   const Facet& plane_of(std::uint32_t face) const {
     return flat_.facets[flat_.faces[face].first_facet];
@@ -119,7 +136,11 @@ class Searcher {
       axes_.assign(1, cone.axis);
       BeamCone from_lamp{lamp_, 0.0, cone.axis, cone.angle_rad};
       if (!(cone.angle_rad < 0.5 * kPi)) from_lamp = cone;
-      for (const std::uint32_t node : start.nodes) arrive(from_lamp, cone, node, 1.0);
+      ++part_;
+      for (const std::vector<MaterialRange>& ranges : slices_) {
+        ranges_ = &ranges;
+        for (const std::uint32_t node : start.nodes) arrive(from_lamp, cone, node, 1.0);
+      }
       again = widest_rad_ > kStillNarrow_rad && cuts < max_cuts_ + kMaxFurtherCuts &&
               cone.radius_m > 0.02 * body_radius_m_;
     }
@@ -146,8 +167,8 @@ class Searcher {
     BeamCone goes_on;
     double kept = share;
     if (refracts(node.event)) {
-      MaterialRange before = search_.range_of(media.outside);
-      MaterialRange after = search_.range_of(media.inside);
+      MaterialRange before = range_of(media.outside);
+      MaterialRange after = range_of(media.inside);
       if (from_inside) std::swap(before, after);
       const auto refracted =
           refracted_cone(cone, plane.normal, after.low / before.high, after.high / before.low);
@@ -167,7 +188,7 @@ class Searcher {
     axes_.push_back(behind.axis);
     if (search_.lights_places(node.region)) {
       widest_rad_ = std::max(widest_rad_, behind.angle_rad);
-      pending_.push_back({path_, axes_, beam, behind, kept});
+      pending_.push_back({part_, path_, axes_, beam, behind, kept});
     }
     for (const std::uint32_t child : node.children) {
       const PathNode& next = tree_.nodes[child];
@@ -187,8 +208,8 @@ class Searcher {
   double transmitted(const BeamCone& cone, const Facet& plane, const FacetMedia& media,
                      bool from_inside) const {
     const AngleRange range = angles_with(cone, plane.normal);
-    const MaterialRange inside = search_.range_of(media.inside);
-    const MaterialRange outside = search_.range_of(media.outside);
+    const MaterialRange inside = range_of(media.inside);
+    const MaterialRange outside = range_of(media.outside);
     const double n = (inside.low + inside.high) / (outside.low + outside.high);
     const double eta = from_inside ? 1.0 / n : n;
     // Where cosθ_t goes to 0, τ·cosθ_i/cosθ_t goes to at most 2(n + 1/n).
@@ -272,6 +293,9 @@ class Searcher {
   const Vec3d lamp_;
   std::vector<Start> starts_;
   int max_cuts_ = kMaxCuts;
+  std::vector<std::vector<MaterialRange>> slices_;  ///< Per part of the wavelengths and material.
+  const std::vector<MaterialRange>* ranges_ = nullptr;  ///< Of the part at hand.
+  std::uint32_t part_ = 0;
 
   double body_radius_m_ = 0.0;
   double widest_rad_ = 0.0;

@@ -20,6 +20,7 @@ struct FaceEvent {
 
 /// A narrow cone of light that took a path and leaves from its last face.
 struct ConeOnPath {
+  std::uint32_t part = 0;  ///< Of the lamp's light; wavelengths of a part follow each other.
   std::vector<FaceEvent> path;
   std::vector<Vec3d> axes;  ///< Before the first face and behind each, in the world.
   BeamCone before;          ///< As it comes to the last face; its ball may lie far before it.

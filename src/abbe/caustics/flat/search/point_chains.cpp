@@ -91,6 +91,7 @@ ConeBounds rounded(const Bounds& bounds) {
 /// What is known of a chain from the cones that took it.
 struct Gathered {
   std::vector<Bounds> cones;
+  std::uint32_t last_part = 0;  ///< The last of the cones is of this part of the light.
   double largest = 0.0;
   std::vector<Vec3d> axes;
 };
@@ -118,7 +119,7 @@ class Maker {
     into.largest = std::max(into.largest, found.largest);
     if (into.axes.empty()) into.axes.resize(found.axes.size(), Vec3d(0.0));
     for (std::size_t i = 0; i < found.axes.size(); ++i) into.axes[i] += found.axes[i];
-    Bounds& bounds = into.cones.emplace_back();
+    Bounds bounds;
     // The normal on the side to which light goes when it comes to the face.
     const Vec3d ahead = comes_from_inside(found.path.back().event) ? frame.normal : -frame.normal;
     for (std::size_t k = 0; k < 8; ++k) {
@@ -131,6 +132,9 @@ class Maker {
                                   reach_on_plane(found.before, frame.origin, ahead, along)});
       bounds.slope[k] = largest_slope(found.behind, along, normal);
     }
+    if (into.cones.empty() || into.last_part != found.part) into.cones.emplace_back();
+    into.cones.back().include(bounds);
+    into.last_part = found.part;
   }
 
   PointChain make(const std::vector<FaceEvent>& path, const Gathered& gathered) const {

@@ -3,8 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <random>
+
+#include "judge.h"
 
 namespace abbe {
 namespace {
@@ -74,6 +75,42 @@ TEST(Touching, pieces_of_one_surface_may_touch) {
   EXPECT_TRUE(scene.touching().empty());
   scene.add_box(glass, Vec3f(1.0000005f, 0.1f, 0.1f), Vec3f(2));
   EXPECT_GT(count(scene.touching(), 0, 24), 0u);
+}
+
+// Which of some primitives, a body each, may touch another.
+std::vector<float> touching_in(const test::World& world) {
+  const std::size_t count = world.spans().primitive_count();
+  std::vector<std::uint32_t> surfaces(count);
+  for (std::uint32_t i = 0; i < count; ++i) surfaces[i] = i;
+  std::vector<float> flags =
+      find_touching(world.spans(), surfaces, std::vector<std::uint8_t>(count, 1), 1e-6f);
+  flags.resize(count, 0.0f);
+  return flags;
+}
+
+TEST(Touching, hollow_solids_touch_what_reaches_their_surface_and_not_what_they_hold) {
+  test::World world;
+  world.add_ellipsoid({0, 0, 0}, {4, 4, 4});            // A room.
+  world.add_box_solid({-5, -5, -5}, {5, 5, 5});         // One about it, 1 away.
+  world.add_ellipsoid({0, 0, 0}, {1, 1, 1});            // In it.
+  world.add_ellipsoid({0, 0, 3}, {0.5, 0.5, 1.01});     // Through its wall.
+  world.add_ellipsoid({3.4, 3.4, 0}, {0.5, 0.5, 0.5});  // Beside it, if not beside its box.
+  std::vector<float> flags = touching_in(world);
+  // Ellipsoids come first, then solids.
+  EXPECT_GT(flags[0], 0.0f);
+  EXPECT_EQ(flags[1], 0.0f);
+  EXPECT_GT(flags[2], 0.0f);
+  EXPECT_EQ(flags[3], 0.0f);
+  EXPECT_EQ(flags[4], 0.0f);
+}
+
+TEST(Touching, slope_touches_what_comes_down_to_it) {
+  for (const double height : {0.0, 1e-3}) {
+    test::World world;
+    world.add_triangle({-10, -10, -10}, {10, -10, 10}, {0, 20, 0});  // z = x.
+    world.add_box_solid({-1, -1, 1 + height}, {1, 1, 2});
+    EXPECT_EQ(touching_in(world)[0] > 0.0f, height == 0.0) << height;
+  }
 }
 
 TEST(Touching, every_pair_of_boxes_that_overlap_is_found) {

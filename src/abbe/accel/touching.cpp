@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <numeric>
 #include <tuple>
@@ -17,6 +18,46 @@ bool overlap(const Box3f& a, const Box3f& b) {
 float largest(const Box3f& box) {
   const Vec3f v = glm::max(glm::abs(box.low), glm::abs(box.high));
   return std::max({v.x, v.y, v.z});
+}
+
+// Half of what a box is wide along a direction.
+double half_along(const Box3f& box, const Vec3d& direction) {
+  return glm::dot(0.5 * Vec3d(box.size()), glm::abs(direction));
+}
+
+// Whether the surface of a primitive may meet a box: those that wrap around it, or lie aslant
+// beside it, do not.
+bool may_meet(const Ellipsoid& ellipsoid, const Box3f& box) {
+  const Mat3d& to_unit = ellipsoid.world_to_unit_linear;
+  const Vec3d half = 0.5 * Vec3d(box.size());
+  const Vec3d center = to_unit * Vec3d(box.center()) + ellipsoid.world_to_unit_offset;
+  double farthest = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3d side((corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0,
+                     (corner & 4) != 0 ? 1.0 : -1.0);
+    farthest = std::max(farthest, glm::length(center + to_unit * (side * half)));
+  }
+  if (farthest < 1.0) return false;
+  const double distance = glm::length(center);
+  return !(distance > 0.0) ||
+         distance - half_along(box, glm::transpose(to_unit) * (center / distance)) <= 1.0;
+}
+
+bool may_meet(std::span<const Plane> planes, const Box3f& box) {
+  bool is_inside = true;
+  for (const Plane& plane : planes) {
+    const double height = glm::dot(plane.normal, Vec3d(box.center())) - plane.distance;
+    const double half = half_along(box, plane.normal);
+    if (height > half) return false;
+    is_inside &= height < -half;
+  }
+  return !is_inside;
+}
+
+bool may_meet(const std::array<Vec3d, 3>& corners, const Box3f& box) {
+  const Vec3d normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+  const double height = glm::dot(normal, Vec3d(box.center()) - corners[0]);
+  return std::abs(height) <= half_along(box, normal);
 }
 
 /// Boxes, which have to outlive it, in a tree that is halved at the middle of its longest side.
@@ -125,6 +166,18 @@ class Bodies {
                ? shapes_.ellipsoids[primitive].bounds
                : shapes_.polyhedra[primitive - shapes_.ellipsoids.size()].bounds;
   }
+  /// Whether the surface of a primitive may come into a box.
+  bool may_come_into(std::size_t primitive, const Box3f& box) const {
+    if (primitive < shapes_.triangles.size()) {
+      const Triangle& triangle = shapes_.triangles[primitive];
+      const auto corner = [&](std::size_t i) { return Vec3d(shapes_.positions[triangle[i]]); };
+      return may_meet({corner(0), corner(1), corner(2)}, box);
+    }
+    primitive -= shapes_.triangles.size();
+    if (primitive < shapes_.ellipsoids.size()) return may_meet(shapes_.ellipsoids[primitive], box);
+    const ConvexPolyhedron& solid = shapes_.polyhedra[primitive - shapes_.ellipsoids.size()];
+    return may_meet(shapes_.planes.subspan(solid.first_plane, solid.plane_count), box);
+  }
   /// Of the bodies that matter.
   const std::vector<Box3f>& bounds() const { return bounds_; }
   bool is_of(std::size_t primitive, std::uint32_t body) const {
@@ -223,6 +276,10 @@ std::vector<float> find_touching(const ShapeSpans& shapes,
     for (const std::uint32_t primitive : own[body]) {
       others.for_each_overlapping(grown(bodies.bounds_of(primitive)), [&](std::uint32_t number) {
         const std::uint32_t other = near[body][number];
+        if (!bodies.may_come_into(other, grown(bodies.bounds_of(primitive))) ||
+            !bodies.may_come_into(primitive, grown(boxes[number]))) {
+          return;
+        }
         const float size = std::max(largest(bodies.bounds_of(primitive)), largest(boxes[number]));
         touching[primitive] = std::max(touching[primitive], size);
         touching[other] = std::max(touching[other], size);

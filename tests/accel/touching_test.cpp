@@ -34,8 +34,14 @@ struct Scene {
     }
     surface.resize(triangles.size(), static_cast<std::uint32_t>(to));
   }
-  std::vector<float> touching() const {
+  std::vector<Touching> found() const {
     return find_touching({.positions = positions, .triangles = triangles}, surface, matters, 1e-6f);
+  }
+  // The size of each primitive that may touch others.
+  std::vector<float> touching() const {
+    std::vector<float> sizes;
+    for (const Touching& at : found()) sizes.push_back(at.size_m);
+    return sizes;
   }
 };
 
@@ -68,6 +74,20 @@ TEST(Touching, faces_and_edges_of_a_cube_on_a_floor_may_touch_and_its_top_may_no
   EXPECT_TRUE(scene.touching().empty());
 }
 
+TEST(Touching, zone_is_where_they_do) {
+  Scene scene;
+  scene.add_box(scene.add_surface(false), Vec3f(-10), Vec3f(10, 10, 0));
+  scene.add_box(scene.add_surface(true), Vec3f(0), Vec3f(1));
+  const std::vector<Touching> found = scene.found();
+  for (std::size_t i = 12; i < 24; ++i) {
+    if (!found[i].is_any()) continue;
+    EXPECT_TRUE(found[i].holds({0.5f, 0.5f, 0.0f}, 1.0f) || found[i].zone.size().x < 0.5f ||
+                found[i].zone.size().y < 0.5f);
+    EXPECT_FALSE(found[i].holds({0.5f, 0.5f, 0.02f}, 1.0f));
+    EXPECT_TRUE(found[i].holds(found[i].zone.high, 0.0f));
+  }
+}
+
 TEST(Touching, pieces_of_one_surface_may_touch) {
   Scene scene;
   const std::size_t glass = scene.add_surface(true);
@@ -82,9 +102,10 @@ std::vector<float> touching_in(const test::World& world) {
   const std::size_t count = world.spans().primitive_count();
   std::vector<std::uint32_t> surfaces(count);
   for (std::uint32_t i = 0; i < count; ++i) surfaces[i] = i;
-  std::vector<float> flags =
+  std::vector<float> flags(count, 0.0f);
+  const std::vector<Touching> found =
       find_touching(world.spans(), surfaces, std::vector<std::uint8_t>(count, 1), 1e-6f);
-  flags.resize(count, 0.0f);
+  for (std::size_t i = 0; i < found.size(); ++i) flags[i] = found[i].size_m;
   return flags;
 }
 

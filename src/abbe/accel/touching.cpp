@@ -242,9 +242,9 @@ class Bodies {
 
 }  // namespace
 
-std::vector<float> find_touching(const ShapeSpans& shapes,
-                                 std::span<const std::uint32_t> primitive_surface,
-                                 std::span<const std::uint8_t> matters, float margin_m) {
+std::vector<Touching> find_touching(const ShapeSpans& shapes,
+                                    std::span<const std::uint32_t> primitive_surface,
+                                    std::span<const std::uint8_t> matters, float margin_m) {
   if (std::none_of(matters.begin(), matters.end(), [](std::uint8_t m) { return m != 0; })) {
     return {};
   }
@@ -263,7 +263,7 @@ std::vector<float> find_touching(const ShapeSpans& shapes,
     });
   }
   // Of those, the ones that come near a primitive of that body.
-  std::vector<float> touching(count, 0.0f);
+  std::vector<Touching> touching(count);
   bool is_any = false;
   std::vector<Box3f> boxes;
   BoxTree others;
@@ -276,13 +276,15 @@ std::vector<float> find_touching(const ShapeSpans& shapes,
     for (const std::uint32_t primitive : own[body]) {
       others.for_each_overlapping(grown(bodies.bounds_of(primitive)), [&](std::uint32_t number) {
         const std::uint32_t other = near[body][number];
-        if (!bodies.may_come_into(other, grown(bodies.bounds_of(primitive))) ||
-            !bodies.may_come_into(primitive, grown(boxes[number]))) {
-          return;
+        const Box3f here = grown(bodies.bounds_of(primitive));
+        const Box3f there = grown(boxes[number]);
+        if (!bodies.may_come_into(other, here) || !bodies.may_come_into(primitive, there)) return;
+        const float size_m = std::max(largest(bodies.bounds_of(primitive)), largest(boxes[number]));
+        for (const std::uint32_t one : {primitive, other}) {
+          Touching& found = touching[one];
+          found.size_m = std::max(found.size_m, size_m);
+          found.zone.extend({glm::max(here.low, there.low), glm::min(here.high, there.high)});
         }
-        const float size = std::max(largest(bodies.bounds_of(primitive)), largest(boxes[number]));
-        touching[primitive] = std::max(touching[primitive], size);
-        touching[other] = std::max(touching[other], size);
         is_any = true;
       });
     }

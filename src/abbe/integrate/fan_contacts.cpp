@@ -32,7 +32,8 @@ void settle_contacts(const World& world, const FanList& list, std::size_t first,
       std::optional<Contact> contact;
       if (fan.departure.is_crowded()) {
         contact = finder.leave(ray, fan.departure, hit);
-      } else if (hit.is_hit() && world.touching_size_m[hit.primitive] > 0.0f) {
+      } else if (hit.is_hit() &&
+                 world.touching[hit.primitive].holds(ray.origin + hit.t * ray.direction, hit.t)) {
         contact = finder.meet(ray, hit);
       }
       if (!contact) return 0;

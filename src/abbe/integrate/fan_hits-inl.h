@@ -56,7 +56,7 @@ class FanHits {
     } else {
       find_fan_hits(list, first, last);
     }
-    if (world_.touching_size_m.empty())
+    if (world_.touching.empty())
       return {first, b_.hits, b_.packet_hits, b_.first_query, {}, {}, {}};
     settle_contacts(world_, list, first, last, b_);
     return {first,       b_.hits,         b_.packet_hits,  b_.first_query,

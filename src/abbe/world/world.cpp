@@ -4,7 +4,6 @@
 #include <utility>
 #include <variant>
 
-#include "abbe/accel/touching.h"
 #include "abbe/base/constants.h"
 
 namespace abbe {
@@ -67,9 +66,9 @@ std::vector<Box3f> boxes_of_media(const World& world) {
 
 // Primitives of bodies and sheets that may be in contact with something. Rays that come from afar
 // tell what is first by distances whose rounding grows with the size of the scene.
-std::vector<float> touching_primitives(const Geometry& geometry,
-                                       const std::vector<SurfaceMaterial>& materials,
-                                       const Accelerator& accelerator) {
+std::vector<Touching> touching_primitives(const Geometry& geometry,
+                                          const std::vector<SurfaceMaterial>& materials,
+                                          const Accelerator& accelerator) {
   std::vector<std::uint8_t> matters;
   matters.reserve(geometry.surfaces.size());
   for (const Surface& surface : geometry.surfaces) {
@@ -129,9 +128,9 @@ World make_world(TabulatedScene tables, Geometry geometry, std::span<const std::
   VisibilityMask bits = 0;
   for (const VisibilityMask mask : masks) bits |= mask;
   auto built = build_accelerator(accelerator, geometry.shapes(masks));
-  std::vector<float> touching = touching_primitives(geometry, tables.materials, *built);
+  std::vector<Touching> touching = touching_primitives(geometry, tables.materials, *built);
   World world{std::move(tables), std::move(geometry), std::move(built), bits};
-  world.touching_size_m = std::move(touching);
+  world.touching = std::move(touching);
   world.medium_boxes = boxes_of_media(world);
   for (const Box3f& box : world.medium_boxes) world.media_bounds.extend(box);
   return world;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "abbe/accel/accelerator.h"
+#include "abbe/accel/touching.h"
 #include "abbe/scene/scene.h"
 #include "abbe/world/geometry.h"
 #include "abbe/world/lanes.h"
@@ -62,9 +63,8 @@ struct World : TabulatedScene {
   /// Of each surface that bounds a medium, and of all of them.
   std::vector<Box3f> medium_boxes = {};
   Box3f media_bounds = {};
-  /// Per primitive that may touch others, the largest coordinate of it and them, else 0; empty
-  /// where nothing may touch anything.
-  std::vector<float> touching_size_m = {};
+  /// Per primitive; empty where nothing may touch anything.
+  std::vector<Touching> touching = {};
 };
 
 /// Puts what a scene is made of into an accelerator of that name.

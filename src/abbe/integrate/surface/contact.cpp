@@ -179,7 +179,7 @@ void ContactFinder::look_around(const Ray& ray, double t, double along_m) {
 std::size_t ContactFinder::look_around(const Ray& ray, const Hit& hit) {
   const SurfacePoint point = surface_point(world_, ray.origin, ray.direction, hit);
   reach_m_ = 2.0f * (point.offset_m + rounding_bound(12) * hit.t) +
-             static_cast<float>(2.0 * kContactUlps * kUlp) * world_.touching_size_m[hit.primitive];
+             static_cast<float>(2.0 * kContactUlps * kUlp) * world_.touching[hit.primitive].size_m;
   const double along_m = static_cast<double>(
       reach_m_ / std::max(std::abs(glm::dot(ray.direction, point.normal)), kLeastCosine));
   look_around(ray, static_cast<double>(hit.t), along_m);
@@ -250,7 +250,10 @@ std::optional<Contact> ContactFinder::leave(const Ray& ray, const Departure& dep
   world_.accelerator->closest_hits(std::span<const Ray>(&beyond, 1), kAllBits,
                                    std::span<Hit>(&hit, 1));
   std::optional<Contact> contact;
-  if (hit.is_hit() && world_.touching_size_m[hit.primitive] > 0.0f) contact = meet(beyond, hit);
+  if (hit.is_hit()) {
+    const Vec3f place = beyond.origin + hit.t * beyond.direction;
+    if (world_.touching[hit.primitive].holds(place, hit.t)) contact = meet(beyond, hit);
+  }
   hit.t += glm::dot(beyond.origin - ray.origin, ray.direction);
   return contact;
 }

@@ -46,5 +46,26 @@ std::vector<std::string> found_setups() {
 INSTANTIATE_TEST_SUITE_P(setups, FoundLight, testing::ValuesIn(found_setups()),
                          [](const auto& test) { return test.param; });
 
+class LightOfLine : public testing::TestWithParam<std::string> {};
+
+// Of a gem, whose faint paths differ between wavelengths; the eye sees the floor through air.
+TEST_P(LightOfLine, does_not_depend_on_the_other_lines) {
+  const OpticalSetup setup = optical_setup(GetParam());
+  RenderSettings settings = setup_settings(setup, 450.0);
+  const std::vector<double> alone = rendered_irradiance(setup, settings);
+  settings.wavelengths.exact_nm = {450.0, 550.0, 650.0};
+  const std::vector<double> together = rendered_irradiance(setup, settings);
+  EXPECT_GT(mean_of(alone), 0.0);
+  // Of the mean over the cells: roundings.
+  for (std::size_t c = 0; c < alone.size(); ++c) {
+    EXPECT_NEAR(together[c], alone[c], 1e-6 * mean_of(alone)) << c;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(setups, LightOfLine,
+                         testing::Values("diamond_over_floor_sun", "diamond_over_floor_point",
+                                         "prism_in_water_sun", "prism_in_water_point"),
+                         [](const auto& test) { return test.param; });
+
 }  // namespace
 }  // namespace abbe::test

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "abbe/caustics/flat/chain.h"
+#include "abbe/math/lane_mask.h"
 #include "abbe/math/vec.h"
 
 namespace abbe {
@@ -77,6 +78,7 @@ struct PointChain : ChainPath {
   std::vector<std::uint32_t> crossings;             ///< The steps that refract.
   std::vector<std::optional<std::uint32_t>> media;  ///< Before each crossing and behind the last.
   std::vector<Vec3d> directions;  ///< Typical ones on those segments, in the unfolded space.
+  LaneMask lanes;                 ///< That are followed over it.
   Vec3d lamp{0.0};
   Mat3d fold{1.0};  ///< Takes a lit place into the unfolded space: x′ = fold·x + fold_shift.
   Vec3d fold_shift{0.0};

@@ -177,6 +177,7 @@ class Paths {
   }
 
   std::optional<LightPath> point_path(const PointChain& chain, int lane) const {
+    if (!chain.lanes.test(lane)) return std::nullopt;
     const std::size_t count = chain.crossings.size();
     std::array<double, kMaxRefractions + 1> n{};
     for (std::size_t j = 0; j <= count; ++j) n[j] = index(chain.media[j], lane);

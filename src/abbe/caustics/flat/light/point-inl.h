@@ -57,10 +57,13 @@ class PointChainLight {
   const Miss& miss() const { return miss_; }
   const Vec3f& middle() const { return center_; }
 
-  /// As ParallelChainLight does for parallel light. The places of `lanes` count; they are one place
+  /// As ParallelChainLight does for parallel light. The places of `among` count; they are one place
   /// where `is_one_place`.
-  bool run(const LaneArray3& positions, float rounding_m, const LaneMask& lanes, bool is_one_place,
+  bool run(const LaneArray3& positions, float rounding_m, const LaneMask& among, bool is_one_place,
            LightGeometry& geometry, ChainPlaces& met) {
+    miss_ = {};
+    const LaneMask lanes = among & chain_.lanes;
+    if (!lanes.any()) return false;
     rounding_m_ = rounding_m;
     is_one_place_ = is_one_place;
     if (!start(positions, lanes, is_one_place)) return false;
@@ -94,7 +97,6 @@ class PointChainLight {
   bool start(const LaneArray3& positions, const LaneMask& lanes, bool is_one_place) {
     const int lane_count = tables_.lanes.lane_count();
     center_ = positions.get(lanes.front());
-    miss_ = {};
     float radius_m = 0.0f;
     if (!is_one_place) {
       Vec3f sum(0.0f);

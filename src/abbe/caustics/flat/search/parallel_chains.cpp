@@ -74,7 +74,7 @@ class Builder {
     }
     front.bound();
     if (front.is_alive()) {
-      if (search_.lights_places(node.region)) emit(front, node.flux);
+      if (search_.lights_places(node.region)) emit(front, node);
       for (const std::uint32_t child : node.children) {
         BundleSet arrived = front;
         const bool inside = comes_from_inside(tree_.nodes[child].event);
@@ -131,14 +131,14 @@ class Builder {
   }
 
   // Adds the chain of steps_.
-  void emit(const BundleSet& front, double flux) {
+  void emit(const BundleSet& front, const PathNode& node) {
     double largest = 0.0;
     std::size_t sides = 0;
     for (std::size_t w = 0; w < waves_; ++w) {
       if (!front.of(w).polygon.empty()) largest = std::max(largest, front.weights[w]);
     }
     for (const Bundle& bundle : front.bundles) sides = std::max(sides, bundle.polygon.size());
-    if (!(largest >= search_.options.cutoff)) return;
+    if (!search_.has_separate_waves() && !(largest >= search_.options.cutoff)) return;
     ParallelChain chain;
     chain.light = number_;
     chain.steps = steps_;
@@ -162,15 +162,15 @@ class Builder {
         std::any_of(steps_.begin(), steps_.end(), [](const ChainStep& s) { return s.refracts(); });
     const std::size_t floats = chain.array_count(chains_.set_count) * chains_.lane_stride;
     if (chain.rows + floats > kMaxChainFloats) {
-      cut_ += flux;
+      cut_ += node.flux;
       return;
     }
     chains_.rows.resize(chain.rows + floats, 0.0f);
-    tabulate(front, chain);
+    tabulate(front, node.lanes, chain);
     chains_.chains.push_back(std::move(chain));
   }
 
-  void tabulate(const BundleSet& front, const ParallelChain& chain) {
+  void tabulate(const BundleSet& front, const LaneMask& among, const ParallelChain& chain) {
     const std::size_t lanes = search_.lanes();
     for (int set = 0; set < tables_.lanes.set_count(); ++set) {
       const ParallelChainRows<float> rows = chains_.of(chain, set);
@@ -182,7 +182,8 @@ class Builder {
       for (std::size_t lane = 0; lane < rows.stride; ++lane) {
         const std::size_t wave = static_cast<std::size_t>(set) * lanes + std::min(lane, lanes - 1);
         const Bundle& bundle = front.of(wave);
-        const bool is_lit = lane < lanes && !bundle.polygon.empty();
+        const bool is_lit =
+            lane < lanes && among.test(static_cast<int>(lane)) && !bundle.polygon.empty();
         rows.weight[lane] = is_lit ? static_cast<float>(front.weights[wave]) : 0.0f;
         if (!chain.disperses && set > 0) continue;
         std::size_t step = 0;

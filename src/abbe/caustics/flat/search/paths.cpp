@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "abbe/math/polygon.h"
@@ -48,8 +49,10 @@ struct LitPolygon {
 
 class PathFinder {
  public:
-  PathFinder(const ChainSearch& search, const Light& light)
+  /// Follows light of one wave, of all of them without one.
+  PathFinder(const ChainSearch& search, const Light& light, std::optional<std::size_t> wave)
       : search_(search),
+        only_wave_(wave),
         regions_(search.regions),
         light_(light),
         is_parallel_(is_parallel(light)),
@@ -177,7 +180,7 @@ class PathFinder {
       double flux = area * std::abs(glm::dot(direction, facet.normal));
       if (!is_parallel_) flux /= length * length;
       ray_flux_ = flux / static_cast<double>(polygon.rays);
-      wave_ = search_.wave((i * 7919) % search_.waves());
+      wave_ = search_.wave(only_wave_.value_or((i * 7919) % search_.waves()));
       first_body_ = facet.body;
       is_counted_ = i < polygon.rays;
       by_body_[first_body_].started += ray_flux_;
@@ -293,6 +296,13 @@ class PathFinder {
     return all > 0.0 ? single / all : 0.0;
   }
 
+  LaneMask lanes() const {
+    if (!only_wave_) return LaneMask::first(static_cast<int>(search_.lanes()));
+    LaneMask one;
+    one.set(search_.wave(*only_wave_).lane);
+    return one;
+  }
+
   std::uint32_t body_of(const PathNode& node) const {
     const FlatBodies& flat = search_.flat;
     return is_parallel_ ? flat.facets[node.place].body : flat.faces[node.place].body;
@@ -329,12 +339,14 @@ class PathFinder {
     kept.nodes[parent].children.push_back(number);
     kept.nodes.push_back(node);
     kept.nodes.back().children.clear();
+    kept.nodes.back().lanes = lanes();
     for (const std::uint32_t child : node.children) {
       keep(child, number, is_main, least, kept, light);
     }
   }
 
   const ChainSearch& search_;
+  const std::optional<std::size_t> only_wave_;
   const Regions& regions_;
   const Light& light_;
   const bool is_parallel_;
@@ -354,6 +366,23 @@ class PathFinder {
   std::vector<RayState> pending_;
 };
 
+// Adds what follows a node of a tree to a node of another.
+void join(const PathTree& tree, std::uint32_t from, double share, PathTree& all, std::uint32_t to) {
+  for (const std::uint32_t number : tree.nodes[from].children) {
+    const PathNode& node = tree.nodes[number];
+    std::uint32_t known = all.child(to, node.place, node.event);
+    if (known == 0) {
+      known = static_cast<std::uint32_t>(all.nodes.size());
+      all.nodes[to].children.push_back(known);
+      all.nodes.push_back({node.place, node.event, node.region});
+    }
+    PathNode& there = all.nodes[known];
+    there.lanes = there.lanes | node.lanes;
+    there.flux += share * node.flux;
+    join(tree, number, share, all, known);
+  }
+}
+
 }  // namespace
 
 std::uint32_t PathTree::child(std::uint32_t node, std::uint32_t place, ChainEvent event) const {
@@ -364,7 +393,24 @@ std::uint32_t PathTree::child(std::uint32_t node, std::uint32_t place, ChainEven
 }
 
 PathTree find_paths(const ChainSearch& search, const Light& light) {
-  return PathFinder(search, light).run();
+  if (!search.has_separate_waves()) return PathFinder(search, light, std::nullopt).run();
+  PathTree all;
+  for (std::size_t wave = 0; wave < search.waves(); ++wave) {
+    const PathTree tree = PathFinder(search, light, wave).run();
+    const double share = 1.0 / static_cast<double>(search.waves());
+    all.nodes.resize(std::max<std::size_t>(all.nodes.size(), 1));
+    all.nodes[0].region = tree.nodes[0].region;
+    join(tree, 0, share, all, 0);
+    all.started += share * tree.started;
+    all.cut += share * tree.cut;
+    all.by_body.resize(tree.by_body.size());
+    for (std::size_t b = 0; b < tree.by_body.size(); ++b) {
+      all.by_body[b].started += share * tree.by_body[b].started;
+      all.by_body[b].faint += share * tree.by_body[b].faint;
+      all.by_body[b].too_long += share * tree.by_body[b].too_long;
+    }
+  }
+  return all;
 }
 
 }  // namespace abbe

@@ -7,6 +7,7 @@
 
 #include "abbe/caustics/flat/search/chain_search.h"
 #include "abbe/caustics/flat/search/regions.h"
+#include "abbe/math/lane_mask.h"
 
 namespace abbe {
 
@@ -20,6 +21,7 @@ struct PathNode {
   double useful = 0.0;  ///< Of it, what may light something, behind this step or later.
   std::uint32_t rays = 0;
   std::vector<std::uint32_t> children = {};
+  LaneMask lanes = {};  ///< That are followed over it.
 };
 
 /// The paths of one light. Node 0 is the lamp.
@@ -35,8 +37,9 @@ struct PathTree {
 
 /// Follows rays of a lamp over the facets, their light split at each; more of them until what lies
 /// on paths that none has taken is little. Keeps the paths that carry most light: as many as it
-/// takes to leave little out, if they are not too many.
-/// Shape:  places are facets of parallel light, faces otherwise.
+/// takes to leave little out, if they are not too many. Of few wavelengths each has paths of its
+/// own; light is the mean over them then. Shape:  places are facets of parallel light, faces
+/// otherwise.
 PathTree find_paths(const ChainSearch& search, const Light& light);
 
 }  // namespace abbe

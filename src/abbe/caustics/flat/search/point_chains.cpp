@@ -92,6 +92,7 @@ ConeBounds rounded(const Bounds& bounds) {
 struct Gathered {
   std::vector<Bounds> cones;
   std::uint32_t last_part = 0;  ///< The last of the cones is of this part of the light.
+  LaneMask lanes;
   double largest = 0.0;
   std::vector<Vec3d> axes;
 };
@@ -116,6 +117,7 @@ class Maker {
     const FaceFrame& frame = chains_.frames[found.path.back().face];
     const std::uint32_t face = found.path.back().face;
     const Vec3d normal = lit_normal(found.path);
+    into.lanes = found.lanes;
     into.largest = std::max(into.largest, found.largest);
     if (into.axes.empty()) into.axes.resize(found.axes.size(), Vec3d(0.0));
     for (std::size_t i = 0; i < found.axes.size(); ++i) into.axes[i] += found.axes[i];
@@ -140,6 +142,7 @@ class Maker {
   PointChain make(const std::vector<FaceEvent>& path, const Gathered& gathered) const {
     PointChain chain;
     chain.light = light_;
+    chain.lanes = gathered.lanes;
     chain.largest = static_cast<float>(gathered.largest);
     const Vec3d origin = rounded_to_single(chains_.frames[path.front().face].origin);
     chain.origin = Vec3f(origin);
@@ -287,7 +290,7 @@ ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::
   }
   std::optional<std::tuple<std::uint32_t, ChainEvent>> open;
   for (const auto& [path, what] : gathered) {
-    if (!(what.largest >= search.options.cutoff)) continue;
+    if (!search.has_separate_waves() && !(what.largest >= search.options.cutoff)) continue;
     PointChain chain = maker.make(path, what);
     if (!open || *open != end_of(path)) {
       open = end_of(path);

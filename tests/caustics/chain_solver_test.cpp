@@ -92,5 +92,59 @@ TEST_F(Wedge, no_other_way_is_shorter_than_the_one_found_or_that_over_the_edge) 
   EXPECT_GT(over_edge, 100);
 }
 
+TEST_F(Wedge, way_is_as_near_as_said_to_where_it_is_asked_whether_to_give_up) {
+  int asked = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const double half_angle = uniform(0.1, 0.9);
+    const PointChain chain =
+        chain_of(half_angle, {-uniform(0.5, 3.0), uniform(-1.0, 1.0), uniform(-1.0, 0.3)});
+    const Vec3d place(uniform(0.5, 3.0), uniform(-1.0, 1.0), uniform(-1.5, 0.3));
+    const std::array<double, 3> indices{1.0, uniform(1.2, 2.0), 1.0};
+    Crossings found{};
+    if (!solve_crossings(chain, indices, place, found)) continue;
+    Crossings at{};
+    solve_crossings(chain, indices, place, at, [&](const Crossings& near, double off_m) {
+      ++asked;
+      for (std::size_t k = 0; k < 2; ++k) EXPECT_LE(glm::distance(near[k], found[k]), off_m);
+      return false;
+    });
+  }
+  EXPECT_GT(asked, 10000);
+}
+
+TEST_F(Wedge, what_is_known_to_miss_from_a_place_nearby_does) {
+  int held = 0;
+  for (int i = 0; i < 40000; ++i) {
+    PointChain chain =
+        chain_of(uniform(0.1, 0.9), {-uniform(0.5, 3.0), uniform(-1.0, 1.0), uniform(-1.0, 0.3)});
+    // Faces of 1 m along the edge and 1 m down from it.
+    PointChains all;
+    for (std::uint32_t k = 0; k < 2; ++k) {
+      const float down = chain.faces[k].center.y < 0.0 ? -1.0f : 1.0f;
+      FaceFrame frame;
+      frame.pieces = {{{1, 0, 0.5f}, {-1, 0, 0.5f}, {0, down, 0}, {0, -down, 1}}};
+      all.frames.push_back(frame);
+      chain.faces[k].face = k;
+    }
+    const std::array<double, 3> indices{1.0, uniform(1.2, 2.0), 1.0};
+    const Vec3d place(uniform(0.5, 3.0), uniform(-1.5, 1.5), uniform(-2.5, 0.3));
+    Crossings at{};
+    if (!solve_crossings(chain, indices, place, at) || may_cross(all, chain, at, 0.0)) continue;
+    const std::array<double, 3> same{};
+    const Miss miss =
+        clearest_miss(all, chain, place, at, crossing_slopes(chain, indices, same, place, at), 0.0);
+    for (int n = 0; n < 20; ++n) {
+      const Vec3d offset = std::pow(10.0, uniform(-3.0, 0.0)) *
+                           Vec3d(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0));
+      if (!miss.holds(Vec3f(offset), 0.0f)) continue;
+      ++held;
+      Crossings there{};
+      if (!solve_crossings(chain, indices, place + offset, there)) continue;
+      EXPECT_FALSE(may_cross(all, chain, there, 0.0)) << i;
+    }
+  }
+  EXPECT_GT(held, 10000);
+}
+
 }  // namespace
 }  // namespace abbe

@@ -87,6 +87,33 @@ TEST(Touching, glass_on_a_floor_lights_it_from_lamps_of_all_kinds_however_it_is_
   }
 }
 
+TEST(Touching, far_lamps_light_what_glass_stands_on_as_the_sun_does) {
+  const Vec3d up = glm::normalize(Vec3d(0.4, 1.0, 0.2));
+  const auto shares = [&](double distance_m) {
+    Scene scene = floor_scene({}, 2.0);
+    if (distance_m > 0.0) {
+      scene.lights = {test::point_light(distance_m * up, 1000.0 * distance_m * distance_m)};
+    } else {
+      scene.lights = {test::directional_light(-up, 1000.0)};
+    }
+    Scene bare = scene;
+    add_pane(scene, 0.0, 0.02, 0.1);
+    const Image seen = test::render(scene, settings_of()).image;
+    const Image open = test::render(bare, settings_of()).image;
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < seen.pixels.size(); ++i) {
+      ratios.push_back(static_cast<double>(seen.pixels[i]) / static_cast<double>(open.pixels[i]));
+    }
+    return ratios;
+  };
+  const std::vector<double> sun = shares(0.0);
+  for (const double distance_m : {60.0, 240.0, 1000.0, 20000.0}) {
+    const std::vector<double> lamp = shares(distance_m);
+    // Through the pane the lamp seems 7 mm nearer.
+    for (std::size_t i = 0; i < sun.size(); ++i) EXPECT_NEAR(lamp[i], sun[i], 1e-3) << distance_m;
+  }
+}
+
 TEST(Touching, what_lies_on_glass_shades_what_is_behind_it) {
   for (const double height_m : {0.0, 5.0, 300.0}) {
     for (const double on_m : {0.2, 0.21, 0.2101}) {

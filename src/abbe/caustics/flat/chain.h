@@ -61,6 +61,7 @@ struct ChainPath {
   std::vector<ChainStep> steps;
   Vec3f origin{0.0f};    ///< Points are taken relative to it: keeps precision.
   float slack_m = 0.0f;  ///< Covers the rounding errors of places on its facets across them.
+  float drift_m = 0.0f;  ///< What such places may be off along their facets.
   float largest = 0.0f;  ///< Bound of what it adds to the light of its lamp, for any lane.
 
   /// The medium in which it lights places; none: air.

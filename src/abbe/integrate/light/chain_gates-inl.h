@@ -70,7 +70,7 @@ inline bool StandsOn(const ChainPath& chain, const ChainPlaces& met, const LitPl
   const float near_m = kInContact * (chain.slack_m + place.offset_m);
   // Light that grazes the facet leaves it far from where it arrives.
   return std::abs(glm::dot(offset, chain.steps[last].normal)) <= near_m &&
-         glm::length(offset) <= 64.0f * near_m;
+         glm::length(offset) <= 64.0f * near_m + chain.drift_m;
 }
 
 /// Backwards from a lit place to the last facet of a chain.

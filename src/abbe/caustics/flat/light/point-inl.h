@@ -81,6 +81,9 @@ class PointChainLight {
   using V = VecOf<D>;
   using V3 = Vec3Of<D>;
 
+  // What a path may miss a place by, and be moved off its last face by, as a share of its length.
+  static constexpr float kOffOfPath = 2e-6f;
+
   double index(std::size_t segment, int lane) const {
     const auto& medium = chain_.media[segment];
     if (!medium) return 1.0;
@@ -407,7 +410,9 @@ class PointChainLight {
     const V3 last_offset = Combine3(d, one, place, hn::Neg(one), last_place);
     const V3& last = shot.directions[count_];
     const V last_m = hn::Sqrt(Dot3(d, last_offset, last_offset));
-    const auto touches = hn::Lt(last_m, hn::Set(d, 16.0f * (chain_.slack_m + rounding_m_)));
+    const V off_m = hn::Add(hn::Set(d, 16.0f * (chain_.slack_m + rounding_m_)),
+                            hn::Mul(hn::Set(d, kOffOfPath), path_m));
+    const auto touches = hn::Lt(last_m, off_m);
     lit = hn::And(lit, hn::Or(touches, hn::Gt(Dot3(d, last_offset, last), zero)));
     const V over = hn::Div(one, last_m);
     const V3 straight{hn::Mul(last_offset.x, over), hn::Mul(last_offset.y, over),

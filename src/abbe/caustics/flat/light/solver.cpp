@@ -12,10 +12,10 @@ namespace {
 using Mat2d = glm::dmat2;
 
 constexpr int kMaxSteps = 40;
-// A step shorter than this share of the shortest segment comes near the path.
-constexpr double kNear = 0.1;
+// A step shorter than this share of the shortest segment comes close to the path.
+constexpr double kClose = 0.015;
 // What is left behind such a step is less than it, times this to be sure.
-constexpr double kSurely = 4.0;
+constexpr double kSurely = 12.0;
 // Of a step, the smallest part that is tried.
 constexpr double kLeastStep = 0.01;
 // A segment between planes that meet, this much shorter than the whole path, has shrunk to a point:
@@ -50,6 +50,12 @@ class PlaneSequence {
   // is smooth at their edges, too.
   void round_edges(double share) { rounding_ = share; }
   double rounding() const { return rounding_; }
+  // What that may move a crossing by: twice what was seen in trials.
+  double shifts_by() const {
+    double radius_m = 0.0;
+    for (std::size_t k = 0; k < count_; ++k) radius_m = std::max(radius_m, face(k).radius_m);
+    return 100.0 * rounding_ * radius_m;
+  }
   bool has_edges() const { return has_edges_; }
   // The least pull of such a segment, of the most it can have.
   double least_pull() const { return least_pull_; }
@@ -253,7 +259,7 @@ Vec3d off_last_face(const PointChain& chain, const Vec3d& place) {
   const UnfoldedFace& face = chain.faces.back();
   const double side = chain.steps.back().goes_on_inside() ? -1.0 : 1.0;
   const double height = side * glm::dot(face.normal, place - face.origin);
-  const double least = 1e-6 * glm::distance(place, chain.lamp);
+  const double least = 1e-8 * glm::distance(place, chain.lamp);
   return height < least ? place + side * (least - height) * face.normal : place;
 }
 
@@ -279,8 +285,10 @@ bool solve_crossings(const PointChain& chain, std::span<const double> n, const V
       for (std::size_t k = 0; k < planes.count(); ++k) there[k] = crossings[k] + by[k];
       return there;
     };
-    const bool is_near = size < kNear * scale;
-    if (gives_up && is_near && gives_up(moved(step), kSurely * size)) return false;
+    if (gives_up && size < kClose * scale &&
+        gives_up(moved(step), kSurely * size + planes.shifts_by())) {
+      return false;
+    }
     // Where steps are small they converge quadratically, and lengths no longer tell.
     if (size < 1e-3 * scale) {
       crossings = moved(step);

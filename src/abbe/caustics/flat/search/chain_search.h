@@ -53,13 +53,9 @@ struct ChainSearch {
   std::size_t lanes() const { return static_cast<std::size_t>(tables.lanes.lane_count()); }
   /// Wavelengths of all sets.
   std::size_t waves() const { return lanes() * static_cast<std::size_t>(tables.lanes.set_count()); }
-  /// Whether there are so few wavelengths that each is searched for by itself: what is found for it
-  /// does not depend on the others then.
-  bool has_separate_waves() const {
-    constexpr std::size_t kFewWaves = 16;
-    return tables.lanes.quadrature() != nullptr && tables.lanes.set_count() == 1 &&
-           lanes() <= kFewWaves;
-  }
+  /// Whether wavelengths differ, but are so few that each is searched for by itself: what is found
+  /// for it does not depend on the others then.
+  bool has_separate_waves() const;
   Wave wave(std::size_t number) const {
     return {static_cast<int>(number / lanes()), static_cast<int>(number % lanes())};
   }

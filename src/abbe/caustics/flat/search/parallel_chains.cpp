@@ -138,7 +138,7 @@ class Builder {
       if (!front.of(w).polygon.empty()) largest = std::max(largest, front.weights[w]);
     }
     for (const Bundle& bundle : front.bundles) sides = std::max(sides, bundle.polygon.size());
-    if (!search_.has_separate_waves() && !(largest >= search_.options.cutoff)) return;
+    if (!(largest > 0.0)) return;
     ParallelChain chain;
     chain.light = number_;
     chain.steps = steps_;

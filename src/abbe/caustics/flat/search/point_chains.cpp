@@ -14,6 +14,7 @@ namespace {
 // Bounds are widened by this share, for what is rounded up to there.
 constexpr double kSlack = 1e-5;
 constexpr float kNoBound = 1e30f;
+constexpr double kPathRounding = 2e-6;
 // Parts that the light of a chain is bounded in; of more, neighbours share their bounds.
 constexpr std::size_t kMaxCones = 64;
 // Of those, so many neighbours are passed by at once.
@@ -147,6 +148,8 @@ class Maker {
     const Vec3d origin = rounded_to_single(chains_.frames[path.front().face].origin);
     chain.origin = Vec3f(origin);
     chain.lamp = lamp_ - origin;
+    // Lanes come there from the lamp in single precision.
+    chain.drift_m = static_cast<float>(kPathRounding * glm::length(chain.lamp));
     chain.directions.push_back(gathered.axes.front());
     for (std::size_t s = 0; s < path.size(); ++s) {
       add_step(path[s], origin, chain);
@@ -290,7 +293,7 @@ ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::
   }
   std::optional<std::tuple<std::uint32_t, ChainEvent>> open;
   for (const auto& [path, what] : gathered) {
-    if (!search.has_separate_waves() && !(what.largest >= search.options.cutoff)) continue;
+    if (!(what.largest > 0.0)) continue;
     PointChain chain = maker.make(path, what);
     if (!open || *open != end_of(path)) {
       open = end_of(path);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "abbe/caustics/flat/search/beam_cone.h"
@@ -15,7 +16,9 @@ struct FaceEvent {
   std::uint32_t face = 0;
   ChainEvent event = ChainEvent::Enter;
 
-  auto operator<=>(const FaceEvent&) const = default;
+  bool operator<(const FaceEvent& other) const {
+    return std::tie(face, event) < std::tie(other.face, other.event);
+  }
 };
 
 /// A narrow cone of light that took a path and leaves from its last face.

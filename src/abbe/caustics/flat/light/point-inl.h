@@ -82,7 +82,7 @@ class PointChainLight {
   using V3 = Vec3Of<D>;
 
   // What a path may miss a place by, and be moved off its last face by, as a share of its length.
-  static constexpr float kOffOfPath = 2e-6f;
+  static constexpr float kOffOfPath = 4e-6f;
 
   double index(std::size_t segment, int lane) const {
     const auto& medium = chain_.media[segment];

@@ -259,7 +259,7 @@ Vec3d off_last_face(const PointChain& chain, const Vec3d& place) {
   const UnfoldedFace& face = chain.faces.back();
   const double side = chain.steps.back().goes_on_inside() ? -1.0 : 1.0;
   const double height = side * glm::dot(face.normal, place - face.origin);
-  const double least = 1e-8 * glm::distance(place, chain.lamp);
+  const double least = 1e-6 * glm::distance(place, chain.lamp);
   return height < least ? place + side * (least - height) * face.normal : place;
 }
 

@@ -188,7 +188,7 @@ class Searcher {
     axes_.push_back(behind.axis);
     if (search_.lights_places(node.region)) {
       widest_rad_ = std::max(widest_rad_, behind.angle_rad);
-      pending_.push_back({part_, path_, axes_, beam, behind, node.lanes, kept});
+      pending_.push_back({part_, path_, axes_, behind, node.lanes, kept});
     }
     for (const std::uint32_t child : node.children) {
       const PathNode& next = tree_.nodes[child];

@@ -26,8 +26,7 @@ struct ConeOnPath {
   std::uint32_t part = 0;  ///< Of the lamp's light; wavelengths of a part follow each other.
   std::vector<FaceEvent> path;
   std::vector<Vec3d> axes;  ///< Before the first face and behind each, in the world.
-  BeamCone before;          ///< As it comes to the last face; its ball may lie far before it.
-  BeamCone behind;          ///< Behind the last face, its ball on it.
+  BeamCone cone;            ///< Behind the last face; world coordinates.
   LaneMask lanes;           ///< That are followed over the path.
   double largest = 0.0;     ///< Bound of what it adds to the light of the lamp.
 };

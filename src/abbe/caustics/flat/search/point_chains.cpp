@@ -14,7 +14,7 @@ namespace {
 // Bounds are widened by this share, for what is rounded up to there.
 constexpr double kSlack = 1e-5;
 constexpr float kNoBound = 1e30f;
-constexpr double kPathRounding = 2e-6;
+constexpr double kPathRounding = 4e-6;
 // Parts that the light of a chain is bounded in; of more, neighbours share their bounds.
 constexpr std::size_t kMaxCones = 64;
 // Of those, so many neighbours are passed by at once.
@@ -123,17 +123,14 @@ class Maker {
     if (into.axes.empty()) into.axes.resize(found.axes.size(), Vec3d(0.0));
     for (std::size_t i = 0; i < found.axes.size(); ++i) into.axes[i] += found.axes[i];
     Bounds bounds;
-    // The normal on the side to which light goes when it comes to the face.
-    const Vec3d ahead = comes_from_inside(found.path.back().event) ? frame.normal : -frame.normal;
     for (std::size_t k = 0; k < 8; ++k) {
       const Vec3d along = static_cast<double>(kBoundCosine[k]) * frame.u +
                           static_cast<double>(kBoundSine[k]) * frame.v;
-      const auto ball_reach = [&](const BeamCone& cone) {
-        return glm::dot(along, cone.center - frame.origin) + cone.radius_m;
-      };
-      bounds.reach[k] = std::min({ball_reach(found.behind), reach_of(face, along),
-                                  reach_on_plane(found.before, frame.origin, ahead, along)});
-      bounds.slope[k] = largest_slope(found.behind, along, normal);
+      // It comes out of the face.
+      const double ball_reach =
+          glm::dot(along, found.cone.center - frame.origin) + found.cone.radius_m;
+      bounds.reach[k] = std::min(ball_reach, reach_of(face, along));
+      bounds.slope[k] = largest_slope(found.cone, along, normal);
     }
     if (into.cones.empty() || into.last_part != found.part) into.cones.emplace_back();
     into.cones.back().include(bounds);
@@ -170,22 +167,6 @@ class Maker {
   }
 
  private:
-  // How far the light of a cone goes in a direction where it meets a plane, from its origin: rays
-  // from a place p at height h before it come to u·p + h·slope, largest over the ball and for the
-  // least or the greatest slope.
-  static double reach_on_plane(const BeamCone& cone, const Vec3d& origin, const Vec3d& ahead,
-                               const Vec3d& along) {
-    const Vec3d from_origin = cone.center - origin;
-    const double height = -glm::dot(ahead, from_origin);
-    double most = -std::numeric_limits<double>::infinity();
-    for (const double slope :
-         {largest_slope(cone, along, ahead), -largest_slope(cone, -along, ahead)}) {
-      if (!std::isfinite(slope)) return std::numeric_limits<double>::infinity();
-      most = std::max(most, height * slope + cone.radius_m * std::sqrt(1.0 + slope * slope));
-    }
-    return glm::dot(along, from_origin) + most;
-  }
-
   // How far a face goes in a direction, from the origin of its frame.
   double reach_of(std::uint32_t number, const Vec3d& along) const {
     const Face& face = flat_.faces[number];

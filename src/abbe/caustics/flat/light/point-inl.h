@@ -84,6 +84,12 @@ class PointChainLight {
   // What a path may miss a place by, and be moved off its last face by, as a share of its length.
   static constexpr float kOffOfPath = 4e-6f;
 
+  // Whether a miss at the wavelengths of one set is one at those of the others: between many they
+  // lie within what is allowed for; of a few, each set has its own.
+  bool holds_for_all_sets() const {
+    return tables_.lanes.set_count() == 1 || tables_.lanes.lane_count() >= 8;
+  }
+
   double index(std::size_t segment, int lane) const {
     const auto& medium = chain_.media[segment];
     if (!medium) return 1.0;
@@ -134,7 +140,7 @@ class PointChainLight {
       if (may_cross(chains_, chain_, at, off_m)) return false;
       slopes_ = crossing_slopes(chain_, indices, {change.data(), count_ + 1}, middle_, at);
       passes_by = !may_cross(chains_, chain_, at, slopes_, static_cast<double>(radius_m), off_m);
-      if (passes_by) {
+      if (passes_by && holds_for_all_sets()) {
         miss_ = clearest_miss(chains_, chain_, middle_, at, slopes_, off_m);
       }
       return passes_by;

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -96,6 +97,10 @@ struct ThinFilm {
   std::optional<TextureUse> thickness_texture;
 };
 
+/// Whether what a surface emits lights others: as the file's lamps suggest (Scene::emissive_light),
+/// always, or never.
+enum class LightsOthers : std::uint8_t { Auto, Yes, No };
+
 /// Emission given by spectrum and luminance (cd/m²) instead of RGB.
 struct SpectralEmission {
   NamedSpectrum spectrum;
@@ -129,6 +134,7 @@ struct Material {
   Vec3f emissive_rec709{0.0f};  ///< cd/m² per channel: emissiveFactor × emissiveStrength.
   std::optional<TextureUse> emissive_texture;
   std::optional<SpectralEmission> emission;  ///< Overrides the emissive factor.
+  LightsOthers lights_others = LightsOthers::Auto;
 
   float transmission = 0.0f;
   std::optional<TextureUse> transmission_texture;  ///< R.
@@ -198,6 +204,28 @@ struct BeamSize {
   double height_m = 1.0;  ///< Along Y.
 };
 
+/// A flat lamp about the origin of its node's XY plane that shines evenly, by Lambert's law, to −Z.
+struct RectangleLamp {
+  double width_m = 1.0;   ///< Along X.
+  double height_m = 1.0;  ///< Along Y.
+};
+/// The same, round.
+struct DiskLamp {
+  double radius_m = 0.5;
+};
+/// A ball about the node's origin that shines evenly all around.
+struct SphereLamp {
+  double radius_m = 0.5;
+};
+/// A disc on the sky of even radiance, as the sun is.
+struct SkyDisc {
+  double angle_deg = 0.53;  ///< Its diameter.
+};
+/// The extent of a lamp; its light is softly shadowed. The lamp itself is not seen.
+/// Domain: lengths > 0; 0 < angle_deg ≤ 180. A SkyDisc belongs to directional lights, the others to
+///         point and spot lamps.
+using LampShape = std::variant<RectangleLamp, DiskLamp, SphereLamp, SkyDisc>;
+
 /// KHR_lights_punctual, placed. Shines along −Z of `to_world` (rotation and translation only).
 /// Domain: intensity ≥ 0, range_m > 0, 0 ≤ inner_cone_rad < outer_cone_rad (of spots).
 struct Light {
@@ -209,7 +237,8 @@ struct Light {
   double range_m = std::numeric_limits<double>::infinity();
   double inner_cone_rad = 0.0;
   double outer_cone_rad = 0.78539816339744831;
-  std::optional<BeamSize> beam;  ///< Directional lights only.
+  std::optional<BeamSize> beam;  ///< Directional lights only, and not with a shape.
+  std::optional<LampShape> shape;
   Mat4d to_world{1.0};
 };
 
@@ -239,6 +268,34 @@ struct Ambient {
   NamedSpectrum spectrum;
 };
 
+/// Light from all around as an image of the sky, each texel as wide in angle as every other: row 0
+/// at the zenith (+Y); the middle of the image towards +X, a quarter from the left towards −Z, as
+/// Blender, three.js and the glTF sample viewer have it.
+/// Shape:  width·height texels; `rgb_rec709` or, of a spectral image, `bands`, band_nm.size() of
+/// them
+///         a texel; the other is empty.
+/// Units:  rgb_rec709: cd/m² per channel, may be negative; bands: W·m⁻²·sr⁻¹·nm⁻¹ at
+///         ascending wavelengths, ≥ 0, linear between them and 0 beyond.
+struct EnvironmentImage {
+  int width = 0;
+  int height = 0;
+  std::vector<Vec3f> rgb_rec709;
+  std::vector<float> band_nm;
+  std::vector<float> bands;
+};
+
+/// ABBE_scene.environment. It takes the place of ambient light.
+/// Domain: scale ≥ 0.
+struct Environment {
+  std::string name;  ///< Of its file, or of the rig that it belongs to.
+  EnvironmentImage image;
+  double scale = 1.0;
+  double rotation_deg = 0.0;  ///< About +Y, counterclockwise seen from above.
+  bool visible = true;        ///< Whether camera rays that meet nothing see it.
+  /// The light that RGB colours are those of; absent: D65. Scaled to 1 cd/m² for white.
+  std::optional<NamedSpectrum> spectrum;
+};
+
 /// ABBE_scene.fog: a homogeneous medium outside all bodies that scatters evenly, once.
 /// Domain: extinction_per_m ≥ 0, albedo in [0, 1].
 struct Fog {
@@ -261,7 +318,11 @@ struct Scene {
   std::vector<Light> lights;
   std::vector<Camera> cameras;
   std::optional<Ambient> ambient;
+  std::shared_ptr<const Environment> environment;  ///< Null: none.
   std::optional<Fog> fog;
+  /// Whether surfaces that emit light others where their material leaves it open.
+  bool emissive_light = false;
+  std::optional<double> exposure_ev;  ///< Of display images; absent: what they show decides.
   /// A place p of the scene as it was described is p − origin_m here (local_origin.h).
   Vec3d origin_m{0.0};
   std::string content_hash;  ///< Hash of the files the scene was made of, 16 hex digits.

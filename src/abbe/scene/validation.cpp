@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
@@ -39,6 +40,10 @@ bool are_finite(const std::vector<V>& values) {
   return std::all_of(values.begin(), values.end(), [](const V& v) { return is_finite(v); });
 }
 
+bool are_amounts(const std::vector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float x) { return is_amount(x); });
+}
+
 // Whether it keeps volumes: no axis is 0, no two are one.
 bool is_invertible(const Mat4d& m) {
   const Mat3d linear(m);
@@ -67,6 +72,10 @@ class Validator {
     if (scene_.ambient) {
       element_ = "ambient";
       require(is_amount(scene_.ambient->luminance_cd_per_m2), "its luminance", "at least 0");
+    }
+    if (scene_.environment) {
+      element_ = "environment";
+      check(*scene_.environment);
     }
   }
 
@@ -186,6 +195,40 @@ class Validator {
     require(light.inner_cone_rad >= 0.0 && light.inner_cone_rad < light.outer_cone_rad,
             "cones in the wrong order", "inner below outer");
     require(is_finite(light.to_world), "a transform that is not finite", "a finite one");
+    if (!light.shape) return;
+    const bool is_directional = light.type == LightType::Directional;
+    require(!light.beam, "a beam with a shape", "one of them");
+    require(std::holds_alternative<SkyDisc>(*light.shape) == is_directional,
+            "a shape of another kind of light",
+            "a disc on the sky of directional lights, else a rectangle, disk or sphere");
+    if (const auto* rectangle = std::get_if<RectangleLamp>(&*light.shape)) {
+      require(is_positive(rectangle->width_m) && is_positive(rectangle->height_m),
+              "a side of 0 or less", "above 0");
+    } else if (const auto* disk = std::get_if<DiskLamp>(&*light.shape)) {
+      require(is_positive(disk->radius_m), "a radius of 0 or less", "above 0");
+    } else if (const auto* sphere = std::get_if<SphereLamp>(&*light.shape)) {
+      require(is_positive(sphere->radius_m), "a radius of 0 or less", "above 0");
+    } else {
+      const double angle_deg = std::get<SkyDisc>(*light.shape).angle_deg;
+      require(angle_deg > 0.0 && angle_deg <= 180.0, "a disc's angle", "above 0, at most 180");
+    }
+  }
+
+  void check(const Environment& environment) const {
+    const EnvironmentImage& image = environment.image;
+    require(image.width > 0 && image.height > 0, "an empty image", "at least one pixel");
+    const std::size_t texels =
+        static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    require(image.band_nm.empty()
+                ? image.rgb_rec709.size() == texels && image.bands.empty()
+                : image.rgb_rec709.empty() && image.bands.size() == texels * image.band_nm.size(),
+            "texels of another number", "width x height colours or spectra");
+    require(are_finite(image.rgb_rec709) && are_amounts(image.bands),
+            "radiance that is not finite, or in a band below 0", "finite radiance");
+    require(std::is_sorted(image.band_nm.begin(), image.band_nm.end(), std::less_equal<>()),
+            "bands out of order", "ascending wavelengths");
+    require(is_amount(environment.scale), "a scale below 0 or not finite", "at least 0");
+    require(std::isfinite(environment.rotation_deg), "a rotation that is not finite", "degrees");
   }
 
   void check(const Camera& camera) const {

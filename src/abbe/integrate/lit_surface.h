@@ -16,15 +16,11 @@ struct FanAtSurface {
   std::uint32_t record_number = 0;  ///< 1 + number of the record of this, or 0.
 };
 
-/// A surface that lamps shine on: all that decides what of their light goes back along the lanes.
+/// A surface that lamps shine on, and the throughput of the lanes that met it.
 struct LitSurface {
   const FanAtSurface& where;
-  const MaterialLanes& at;
-  const BoundaryRows& rows;
-  const SurfaceAnswer& answer;
+  const ShadedSurface& shaded;
   const LaneArray& throughput;
-  bool has_rough_lobe = false;
-  const ReboundLanes* rebound = nullptr;  ///< Of a rough metal, if it has that lobe.
 };
 
 }  // namespace abbe

@@ -209,21 +209,22 @@ class Tracer {
     const bool rough = at.roughness[leader] >= kSmoothRoughness;
     std::optional<ReboundLanes> rebound;
     if (rough && settings_.multiple_scattering && at.metallic[leader] > 0.0f) {
-      rebound = ReboundAt(d, stride_, rows, at, answer);
+      rebound = ReboundAt(d, stride_, rows, at, answer, hit.lanes);
     }
-    if (rough || scatters(answer)) {
-      lamps_.send({where, at, rows, answer, throughput, rough, rebound ? &*rebound : nullptr});
-    }
-    // The coherent ray of a rough opaque dielectric is a faint blur that its lobe stands for.
-    const bool coherent = !rough || at.metallic[leader] > 0.0f || at.transmission[leader] > 0.0f;
+    // Elsewhere the ray of a rough opaque dielectric is a faint blur that its lobe stands for.
+    const bool coherent = !rough || at.metallic[leader] > 0.0f || at.transmission[leader] > 0.0f ||
+                          world_.shines_all_around;
+    const ShadedSurface shaded{
+        hit, at, rows, answer, rough, rough && coherent, rebound ? &*rebound : nullptr};
+    if (rough || scatters(answer)) lamps_.send({where, shaded, throughput});
     if (!coherent) return;
     if (!rough) return branching_.branch(where, throughput, answer, next);
     const MicrofacetLanes facets = SampleMicrofacets(d, stride_, hit, at.roughness, fan.spread,
                                                      chance_of(fan, Purpose::Microfacet));
     SurfaceAnswer about_facets = AnswerOf(d, stride_, change, rows, hit, at, &facets);
+    about_facets.lobes[0].is_sampled = true;
     if (rebound) {
-      const Vec2f u = chance_of(fan, Purpose::Rebound);
-      ChooseRebound(d, stride_, hit, facets, *rebound, u, about_facets);
+      ChooseRebound(d, stride_, shaded, chance_of(fan, Purpose::Rebound), about_facets);
     }
     branching_.branch(where, throughput, about_facets, next);
   }

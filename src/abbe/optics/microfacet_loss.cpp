@@ -63,6 +63,11 @@ float mixed(const Table& table, const Place& row, int column) {
   return mixed(table[r][c], table[r + 1][c], row.part);
 }
 
+// The square of μ, a fourth power, at a node of so many steps.
+float square_at(int node, int steps) {
+  return std::pow(static_cast<float>(node) / static_cast<float>(steps), 4.0f);
+}
+
 }  // namespace
 
 const MicrofacetLoss& MicrofacetLoss::table() {
@@ -98,21 +103,27 @@ float MicrofacetLoss::mean(float alpha) const {
   return mixed(below_, place_of(std::sqrt(alpha), kSteps), kSteps);
 }
 
-MicrofacetLoss::Drawn MicrofacetLoss::draw(float alpha, float u) const {
+float MicrofacetLoss::draw(float alpha, float u) const {
   const Place r = place_of(std::sqrt(alpha), kSteps);
   const float all = mixed(below_, r, kSteps);
   int step = 0;
   while (step < kSteps - 1 && mixed(below_, r, step + 1) <= u * all) ++step;
   const float low = mixed(below_, r, step);
   const float within = mixed(below_, r, step + 1) - low;
-  if (!(within > 0.0f)) return {std::sqrt(u), 1.0f};
+  if (!(within > 0.0f)) return std::sqrt(square_at(step, kSteps));
   // As if the loss were the same all over the step: μ² is even there.
-  const auto square = [](int node) {
-    return std::pow(static_cast<float>(node) / static_cast<float>(kSteps), 4.0f);
-  };
-  const float width = square(step + 1) - square(step);
   const float part = std::clamp((u * all - low) / within, 0.0f, 1.0f);
-  return {std::sqrt(square(step) + part * width), within / (width * all)};
+  return std::sqrt(square_at(step, kSteps) +
+                   part * (square_at(step + 1, kSteps) - square_at(step, kSteps)));
+}
+
+float MicrofacetLoss::density(float cosine, float alpha) const {
+  if (!(cosine > 0.0f)) return 0.0f;
+  const Place r = place_of(std::sqrt(alpha), kSteps);
+  const int step = place_of(std::sqrt(cosine), kSteps).below;
+  const float within = mixed(below_, r, step + 1) - mixed(below_, r, step);
+  return within /
+         ((square_at(step + 1, kSteps) - square_at(step, kSteps)) * mixed(below_, r, kSteps));
 }
 
 }  // namespace abbe

@@ -16,12 +16,12 @@ class MicrofacetLoss {
   float at(float cosine, float alpha) const;
   /// The mean of at() over light from all around, 2∫ at(μ) μ dμ; exact for its values.
   float mean(float alpha) const;
-  /// A cosine drawn with nearly at(μ)·μ for its density; `density` is it over that of 2μ.
+  /// A cosine drawn with nearly at(μ)·μ for its density.
   /// Domain: u in [0, 1), alpha > 0.
-  struct Drawn {
-    float cosine, density;
-  };
-  Drawn draw(float alpha, float u) const;
+  float draw(float alpha, float u) const;
+  /// The density of draw() over 2μ: over directions of the half space, times π, over that of
+  /// Lambert's law. 0 for cosines below 0.
+  float density(float cosine, float alpha) const;
 
  private:
   MicrofacetLoss();

@@ -1,5 +1,6 @@
 #include "abbe/world/world.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <variant>
@@ -90,6 +91,9 @@ TabulatedScene tabulate(const Scene& scene, const WorldOptions& options, const O
                   filter_spectra(scene, options.frozen));
   Rows rows(lanes.lane_stride());
   Materials materials = tabulate_materials(scene, lanes, rows);
+  const bool shines_all_around =
+      std::any_of(materials.surfaces.begin(), materials.surfaces.end(),
+                  [](const SurfaceMaterial& material) { return material.emission.has_value(); });
   std::vector<WorldLight> lights = tabulate_lights(scene, lanes, rows);
   const std::optional<RowId> ambient = tabulate_ambient(scene, lanes, rows);
   const std::optional<WorldFog> fog = tabulate_fog(scene, lanes, rows);
@@ -113,6 +117,7 @@ TabulatedScene tabulate(const Scene& scene, const WorldOptions& options, const O
           .lights = std::move(lights),
           .ambient = ambient,
           .fog = fog,
+          .shines_all_around = shines_all_around,
           .d65 = emission_of_d65,
           .inverse_wavelength = inverse_wavelength,
           .uplift_abscissa = uplift_abscissa,

@@ -35,6 +35,10 @@ struct TabulatedScene {
   std::vector<WorldLight> lights;
   std::optional<RowId> ambient;
   std::optional<WorldFog> fog;
+  /// THE decision whether rough opaque dielectrics reflect what is around them by a sampled ray, as
+  /// metals and glass always do: where something shines that is no lamp without an area, which
+  /// their highlights show. Everything that a sampled ray may find belongs here.
+  bool shines_all_around = false;
 
   RowId d65 = 0;                 ///< Emission of D65 at 1 cd/m², for textured emission.
   RowId inverse_wavelength = 0;  ///< 1/λ of each lane in nm⁻¹, for the phases of thin films.

@@ -82,8 +82,8 @@ void note_approximations(const Material& material, const std::string& name, Note
   if (material.roughness >= kSmoothRoughness && has_reflection && material.metallic < 1.0f &&
       material.transmission == 0.0f) {
     notes.info("material " + name,
-               "rough and opaque: it shows the highlights of lamps, no blurred reflection of "
-               "what is around it");
+               "rough and opaque: it shows the highlights of lamps, and a blurred reflection of "
+               "what is around it only where something besides lamps shines");
   }
   if (material.transmission > 0.0f && !material.has_volume && is_dispersive(material.index)) {
     notes.warn("material " + name, "a sheet without volume does not refract: no dispersion");

@@ -31,6 +31,9 @@ struct ReboundLanes {
   LaneArray factor;  ///< F_ms over the mean loss, times the metallic part.
   LaneArray view_loss;
   LaneArray alpha;
+  // How the sampled ray finds it: one for all lanes.
+  float chance = 0.0f;       ///< Of being drawn by it, not by single scattering.
+  float drawn_alpha = 0.0f;  ///< By whose losses its direction is drawn.
 };
 
 /// What a boundary between media is made of: rows of lanes; null means index 1, no row.
@@ -54,8 +57,11 @@ struct Lobe {
   FanOrigin made_by = FanOrigin::Reflected;
   std::uint32_t order = 0;  ///< Among the lobes made alike; tells their paths apart.
   bool spreads = false;     ///< Lanes that arrived together part.
-  MediumStack media;        ///< That its rays are in.
-  LaneArray3 direction;     ///< Unit length, away from the surface.
+  /// Its direction was drawn with the density of SampledDensity() (scatter-inl.h): light sampled by
+  /// other means may have found it, too. Otherwise it is the only way to what it meets.
+  bool is_sampled = false;
+  MediumStack media;     ///< That its rays are in.
+  LaneArray3 direction;  ///< Unit length, away from the surface.
   /// In [0, 1], and that of all lobes adds up to at most 1; of lobes taken by chance, in the mean.
   LaneArray share;
 };
@@ -76,6 +82,18 @@ struct SurfaceAnswer {
     }
     return nullptr;
   }
+};
+
+/// A surface as light from anywhere meets it: all that decides what of it goes back along the
+/// lanes.
+struct ShadedSurface {
+  const SurfaceHit& hit;
+  const MaterialLanes& at;
+  const BoundaryRows& rows;
+  const SurfaceAnswer& answer;  ///< About the shading normal.
+  bool has_rough_lobe = false;
+  bool samples_rough_lobe = false;        ///< A ray stands for the rough lobes, too.
+  const ReboundLanes* rebound = nullptr;  ///< Of a rough metal, if it has that lobe.
 };
 
 }  // namespace abbe

@@ -14,6 +14,7 @@
 
 #include "abbe/base/constants.h"
 #include "abbe/integrate/surface/microfacet_lanes-inl.h"
+#include "abbe/integrate/surface/scatter-inl.h"
 #include "abbe/optics/microfacet_loss.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -34,18 +35,21 @@ HWY_INLINE VecOf<D> MeanMetalPart(D d, const BoundaryRows& rows, const MaterialL
   return sum;
 }
 
-/// The lobe of lanes that met a rough surface: F_ms of light that meets k_r again and again.
+/// The lobe where `lanes` met a rough surface: F_ms of light that meets k_r again and again.
 template <class D>
 ReboundLanes ReboundAt(D d, int stride, const BoundaryRows& rows, const MaterialLanes& at,
-                       const SurfaceAnswer& answer) {
+                       const SurfaceAnswer& answer, const LaneMask& lanes) {
   const MicrofacetLoss& loss = MicrofacetLoss::table();
   ReboundLanes rebound;
   LaneArray mean;
+  rebound.drawn_alpha = AlphaOf(at.roughness[lanes.front()]);
   for (int lane = 0; lane < stride; ++lane) {
     rebound.alpha[lane] = AlphaOf(at.roughness[lane]);
     rebound.view_loss[lane] = loss.at(answer.cos_incident[lane], rebound.alpha[lane]);
     mean[lane] = loss.mean(rebound.alpha[lane]);
+    if (lanes.test(lane)) rebound.chance += rebound.view_loss[lane];
   }
+  rebound.chance /= static_cast<float>(lanes.count());
   const auto one = hn::Set(d, 1.0f);
   for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
     const auto lost = hn::Load(d, mean.v + i);
@@ -58,48 +62,29 @@ ReboundLanes ReboundAt(D d, int stride, const BoundaryRows& rows, const Material
   return rebound;
 }
 
-/// Lets the reflected ray of microfacets stand for one of the two lobes, by chance: with the mean
-/// share that they let by for single scattering, else for what goes on among them, whose direction
-/// is drawn by what the first lane loses. Each is divided by its probability, which is one for all
-/// lanes. Domain: u in [0, 1)².
+/// Lets the reflected ray of microfacets stand for both lobes: by chance it goes where they send
+/// it, or where light that goes on among them leaves. What it carries is both lobes over the
+/// density of both ways to its direction. Domain: u in [0, 1)².
 template <class D>
-void ChooseRebound(D d, int stride, const SurfaceHit& hit, const MicrofacetLanes& facets,
-                   const ReboundLanes& rebound, Vec2f u, SurfaceAnswer& answer) {
+void ChooseRebound(D d, int stride, const ShadedSurface& surface, Vec2f u, SurfaceAnswer& answer) {
+  const ReboundLanes& rebound = *surface.rebound;
   Lobe& lobe = answer.lobes[0];
-  LaneArray let_by;
-  LaneArray3 shading, facing;
+  if (u.x < rebound.chance) {
+    const float cosine =
+        MicrofacetLoss::table().draw(rebound.drawn_alpha, std::min(u.x / rebound.chance, 1.0f));
+    const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
+    const float turn = 2.0f * static_cast<float>(kPi) * u.y;
+    LaneArray3 shading;
+    for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
+      Store3(d, ArrivalAt(d, surface.hit, i).shading, shading, i);
+    }
+    const Basis basis(shading.get(surface.hit.lanes.front()));
+    Splat(d, stride, basis.to_world({sine * std::cos(turn), sine * std::sin(turn), cosine}),
+          lobe.direction);
+  }
   for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
-    const auto arrival = ArrivalAt(d, hit, i);
-    hn::Store(LetBy(d, arrival, Load3(d, facets.normal, i), Load3(d, lobe.direction, i),
-                    hn::Load(d, facets.alpha.v + i)),
-              d, let_by.v + i);
-    Store3(d, arrival.shading, shading, i);
-    Store3(d, arrival.facing, facing, i);
+    hn::Store(SampledShare(d, surface, i, Load3(d, lobe.direction, i)), d, lobe.share.v + i);
   }
-  float once = 0.0f;
-  for (int lane = 0; lane < stride; ++lane) once += hit.lanes.test(lane) ? let_by[lane] : 0.0f;
-  once /= static_cast<float>(hit.lanes.count());
-  if (u.x < once) {
-    for (int lane = 0; lane < stride; ++lane) lobe.share[lane] /= once;
-    return;
-  }
-  const float again = 1.0f - once;
-  const int leader = hit.lanes.front();
-  const MicrofacetLoss& loss = MicrofacetLoss::table();
-  const auto [cosine_out, density] =
-      loss.draw(facets.alpha[leader], std::min((u.x - once) / again, 1.0f));
-  const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine_out * cosine_out));
-  const float turn = 2.0f * static_cast<float>(kPi) * u.y;
-  const Vec3f direction = Basis(shading.get(leader))
-                              .to_world({sine * std::cos(turn), sine * std::sin(turn), cosine_out});
-  for (int lane = 0; lane < stride; ++lane) {
-    const float cosine = glm::dot(direction, shading.get(lane));
-    const bool gets_out = glm::dot(direction, facing.get(lane)) > 0.0f;
-    lobe.share[lane] = gets_out ? rebound.factor[lane] * loss.at(cosine, rebound.alpha[lane]) *
-                                      (1.0f - let_by[lane]) / (again * density)
-                                : 0.0f;
-  }
-  Splat(d, stride, direction, lobe.direction);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,5 +45,9 @@ Mat3d rgb_to_xyz(RgbSpace space);
 /// channels above 1.
 Mat3d rgb_to_rec709(RgbSpace space);
 Mat3d rec709_to_rgb(RgbSpace space);
+
+/// Linear RGB of any primaries and white to linear Rec.709, adapted as in rgb_to_xyz; the identity
+/// where they are those of Rec.709 but for rounding. Absent where they span no colours.
+std::optional<Mat3d> rgb_to_rec709(const std::array<Vec2d, 3>& primaries_xy, const Vec2d& white_xy);
 
 }  // namespace abbe

@@ -317,6 +317,7 @@ Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
   if (scene.instances.empty()) {
     notes.warn(document.file_name(), "the scene has nothing to render");
   }
+  scene.emissive_light = scene.lights.empty();
   scene.content_hash = document.content_hash();
   validate(scene, document.file_name());
   convert_colors_to_rec709(scene);

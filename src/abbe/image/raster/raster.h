@@ -47,4 +47,7 @@ DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::st
 /// Any image OpenImageIO reads, as floats. Errors: input Error.
 Image read_raster(const std::filesystem::path& file);
 
+/// Whether the pixels of such a file are whole numbers, as a rule display codes. Errors: as above.
+bool raster_has_codes(const std::filesystem::path& file);
+
 }  // namespace abbe

@@ -1,6 +1,8 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <memory>
+
 #include "abbe/base/error.h"
 #include "abbe/image/raster/raster.h"
 #include "abbe/image/raster/texture_structure.h"
@@ -44,6 +46,26 @@ std::vector<T> as_rgba(const std::vector<T>& values, std::size_t channels, T opa
     out[3] = has_alpha ? in[1] : opaque;
   }
   return rgba;
+}
+
+[[noreturn]] void reject_raster(const std::filesystem::path& file, const std::string& found) {
+  throw_input_error(file.string(), found, "an image that OpenImageIO reads");
+}
+
+// A file whose header is good.
+std::unique_ptr<OIIO::ImageInput> open_raster(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) {
+    reject_raster(file, std::filesystem::exists(file, ignored)
+                            ? "something that is not a regular file"
+                            : "no such file");
+  }
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  auto input = OIIO::ImageInput::open(file.string(), &config);
+  if (!input) reject_raster(file, first_line(OIIO::geterror()));
+  if (!is_bounded(input->spec())) reject_raster(file, size_of(input->spec()));
+  return input;
 }
 
 }  // namespace
@@ -91,20 +113,8 @@ DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::st
 }
 
 Image read_raster(const std::filesystem::path& file) {
-  const auto reject = [&](const std::string& found) {
-    throw_input_error(file.string(), found, "an image that OpenImageIO reads");
-  };
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) {
-    reject(std::filesystem::exists(file, ignored) ? "something that is not a regular file"
-                                                  : "no such file");
-  }
-  OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  const auto input = OIIO::ImageInput::open(file.string(), &config);
-  if (!input) reject(first_line(OIIO::geterror()));
+  const auto input = open_raster(file);
   const OIIO::ImageSpec& spec = input->spec();
-  if (!is_bounded(spec)) reject(size_of(spec));
 
   Image image;
   image.width = spec.width;
@@ -113,9 +123,13 @@ Image read_raster(const std::filesystem::path& file) {
   const std::size_t pixels = static_cast<std::size_t>(spec.width) * spec.height;
   image.pixels.resize(pixels * image.channel_count());
   if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data())) {
-    reject(first_line(input->geterror()));
+    reject_raster(file, first_line(input->geterror()));
   }
   return image;
+}
+
+bool raster_has_codes(const std::filesystem::path& file) {
+  return !open_raster(file)->spec().format.is_floating_point();
 }
 
 }  // namespace abbe

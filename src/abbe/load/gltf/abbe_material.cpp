@@ -110,6 +110,23 @@ Conductor read_conductor(Document& document, const Fields& extension, const std:
           spectra.read(fields, "k", SpectrumUse::Extinction).spectrum};
 }
 
+// `light` may stand alone, beside an emission that glTF's own members describe.
+void read_emission(const Fields& emission, Spectra& spectra, Material& material) {
+  emission.only({"spectrum", "luminance", "light"});
+  if (emission.has("light")) {
+    const Json& light = emission.at("light");
+    if (!light.is_boolean()) {
+      throw_input_error(emission.where("light"), describe(light), "true or false");
+    }
+    material.lights_others = light.get<bool>() ? LightsOthers::Yes : LightsOthers::No;
+    if (!emission.has("luminance") && !emission.has("spectrum")) return;
+  }
+  SpectralEmission result;
+  result.luminance_cd_per_m2 = emission.required_number("luminance", {0.0, 1e12});
+  result.spectrum = spectra.lamp(emission);
+  material.emission = std::move(result);
+}
+
 }  // namespace
 
 void apply_abbe_material(Document& document, const Fields& extension, const Json& source,
@@ -141,11 +158,7 @@ void apply_abbe_material(Document& document, const Fields& extension, const Json
     material.reflectance = spectra.read(extension, "reflectance", SpectrumUse::Reflectance);
   }
   if (const auto emission = extension.object("emission")) {
-    emission->only({"spectrum", "luminance"});
-    SpectralEmission result;
-    result.luminance_cd_per_m2 = emission->required_number("luminance", {0.0, 1e12});
-    result.spectrum = spectra.lamp(*emission);
-    material.emission = std::move(result);
+    read_emission(*emission, spectra, material);
   }
   if (extension.has("absorption")) {
     material.absorption_per_m =

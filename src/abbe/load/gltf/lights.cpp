@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
+#include "abbe/load/environment.h"
 #include "abbe/load/gltf/document/check.h"
 #include "abbe/load/gltf/document/fields.h"
 #include "abbe/scene/convex.h"
@@ -31,6 +35,78 @@ double magnification(const Fields& orthographic, const char* name, Notes& notes)
   if (value == 0.0) throw_input_error(orthographic.where(name), "0", "a number above 0");
   if (value < 0.0) notes.warn(orthographic.where(name), "negative; its magnitude is used");
   return std::abs(value);
+}
+
+// {rectangle}, {disk} or {sphere} of a lamp that stands somewhere, {angle_deg} of one that does
+// not.
+LampShape read_lamp_shape(const Fields& shape, const Light& light, const std::string& type) {
+  const std::vector<std::string> choices =
+      light.type == LightType::Directional
+          ? std::vector<std::string>{"angle_deg"}
+          : std::vector<std::string>{"rectangle", "disk", "sphere"};
+  std::string chosen;
+  for (const char* name : {"angle_deg", "rectangle", "disk", "sphere"}) {
+    if (!shape.has(name)) continue;
+    if (!chosen.empty() || std::find(choices.begin(), choices.end(), name) == choices.end()) {
+      throw_input_error(
+          shape.where(name),
+          chosen.empty() ? std::string(name) + " of a " + type + " light" : chosen + " and " + name,
+          "one shape of a " + type + " light", choices);
+    }
+    chosen = name;
+  }
+  if (chosen.empty()) {
+    throw_input_error(shape.where(""), "no shape", "one of a " + type + " light", choices);
+  }
+  if (light.beam) throw_input_error(shape.where(chosen.c_str()), "a beam beside it", "one of them");
+  shape.only({"angle_deg", "rectangle", "disk", "sphere"});
+  if (const auto rectangle = shape.object("rectangle")) {
+    rectangle->only({"width", "height"});
+    return RectangleLamp{positive(*rectangle, "width"), positive(*rectangle, "height")};
+  }
+  if (const auto disk = shape.object("disk")) {
+    disk->only({"radius"});
+    return DiskLamp{positive(*disk, "radius")};
+  }
+  if (const auto sphere = shape.object("sphere")) {
+    sphere->only({"radius"});
+    return SphereLamp{positive(*sphere, "radius")};
+  }
+  const double angle_deg = shape.required_number("angle_deg", {0.0, 180.0});
+  if (angle_deg == 0.0) throw_input_error(shape.where("angle_deg"), "0", "a number above 0");
+  return SkyDisc{angle_deg};
+}
+
+std::shared_ptr<const Environment> read_environment(Document& document, const Fields& fields,
+                                                    Spectra& spectra) {
+  fields.only({"uri", "scale", "rotation_deg", "visible", "spectrum"});
+  auto result = std::make_shared<Environment>();
+  const std::string uri = fields.required_text("uri");
+  if (uri.starts_with("data:")) {
+    throw_input_error(fields.where("uri"), "a data: URI", "a file in the folder of the scene");
+  }
+  const std::filesystem::path file = document.resolve_uri(uri, fields.pointer("uri"));
+  // Into the hash, and checked to be a regular file.
+  (void)document.read_resolved(file, fields.pointer("uri"));
+  result->name = file.filename().string();
+  result->image = read_environment_image(file, fields.where("uri"), document.notes());
+  result->scale = fields.number("scale", 1.0, {0.0, 1e12});
+  result->rotation_deg = fields.number("rotation_deg", 0.0, {-1e6, 1e6});
+  if (fields.has("visible")) {
+    const Json& visible = fields.at("visible");
+    if (!visible.is_boolean()) {
+      throw_input_error(fields.where("visible"), describe(visible), "true or false");
+    }
+    result->visible = visible.get<bool>();
+  }
+  if (fields.has("spectrum")) {
+    if (!result->image.band_nm.empty()) {
+      throw_input_error(fields.where("spectrum"), "a spectrum beside a spectral image",
+                        "one of them: the image has its own");
+    }
+    result->spectrum = spectra.read(fields, "spectrum", SpectrumUse::Emission);
+  }
+  return result;
 }
 
 std::vector<Vec4d> read_planes(const Fields& convex) {
@@ -129,7 +205,7 @@ Light read_light(Document& document, int index, Spectra& spectra) {
   }
   if (const Json* extension = find_extension(json, "ABBE_light")) {
     const Fields abbe(document, *extension, pointer + "/extensions/ABBE_light");
-    abbe.only({"spectrum", "beam"});
+    abbe.only({"spectrum", "beam", "shape"});
     if (const auto beam = abbe.object("beam")) {
       if (light.type != LightType::Directional) {
         throw_input_error(document.where(beam->pointer()), "a beam of a " + type + " light",
@@ -137,6 +213,9 @@ Light read_light(Document& document, int index, Spectra& spectra) {
       }
       beam->only({"width", "height"});
       light.beam = BeamSize{positive(*beam, "width"), positive(*beam, "height")};
+    }
+    if (const auto shape = abbe.object("shape")) {
+      light.shape = read_lamp_shape(*shape, light, type);
     }
     if (abbe.has("spectrum")) {
       light.spectrum = spectra.read(abbe, "spectrum", SpectrumUse::Emission);
@@ -181,7 +260,8 @@ void apply_abbe_scene(Document& document, int scene_index, Spectra& spectra, Sce
   if (extension == nullptr) return;
   const Fields fields(document, *extension,
                       fmt::format("/scenes/{}/extensions/ABBE_scene", scene_index));
-  fields.only({"ambient", "fog", "colorspace"});
+  fields.only({"ambient", "environment", "exposure", "fog", "colorspace"});
+  if (fields.has("exposure")) scene.exposure_ev = fields.required_number("exposure", {-64.0, 64.0});
   if (fields.has("colorspace")) {
     scene.color_space =
         rgb_space_from_name(fields.required_text("colorspace"), fields.where("colorspace"));
@@ -201,6 +281,13 @@ void apply_abbe_scene(Document& document, int scene_index, Spectra& spectra, Sce
     result.luminance_cd_per_m2 = ambient->required_number("luminance", {0.0, 1e12});
     result.spectrum = spectra.lamp(*ambient);
     scene.ambient = std::move(result);
+  }
+  if (const auto environment = fields.object("environment")) {
+    scene.environment = read_environment(document, *environment, spectra);
+    if (scene.ambient) {
+      document.notes().warn(fields.where("ambient"),
+                            "not used: the environment beside it takes its place");
+    }
   }
 }
 

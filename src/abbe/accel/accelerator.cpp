@@ -4,6 +4,7 @@
 #include <array>
 
 #include "abbe/accel/brute/brute_force.h"
+#include "abbe/accel/instances/placed_meshes.h"
 #include "abbe/accel/kd/tree.h"
 #include "abbe/base/error.h"
 
@@ -87,9 +88,11 @@ const std::vector<std::string>& accelerator_names() {
 
 std::unique_ptr<const Accelerator> build_accelerator(std::string_view name,
                                                      const ShapeSpans& shapes) {
-  return kKinds[check_choice("accelerator", std::string(name), "an accelerator",
-                             accelerator_names())]
-      .build(shapes);
+  const auto build =
+      kKinds[check_choice("accelerator", std::string(name), "an accelerator", accelerator_names())]
+          .build;
+  if (shapes.places.empty()) return build(shapes);
+  return std::make_unique<const PlacedMeshes>(shapes, build);
 }
 
 }  // namespace abbe

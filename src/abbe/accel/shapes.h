@@ -42,16 +42,34 @@ inline constexpr VisibilityMask kOpaqueBit = 1;       ///< Stops light.
 inline constexpr VisibilityMask kTransparentBit = 2;  ///< Light may pass: glass, alpha.
 inline constexpr VisibilityMask kAllBits = 0xff;
 
+/// One of the places of a mesh that stands at several: world = linear·p + offset_m. Its triangles
+/// are all alike to rays.
+/// Domain: `linear` can be inverted. A mirror image turns the winding round: a mesh that is to keep
+///         its outside is one of its own there, with the second and third corner swapped.
+struct MeshPlace {
+  std::uint32_t mesh = 0;
+  VisibilityMask mask = kAllBits;
+  Mat3d linear{1.0};
+  Vec3d offset_m{0.0};
+};
+
 /// All primitives of a world. A primitive's number counts triangles first, then ellipsoids, then
-/// polyhedra. The spans are read during the build only.
+/// polyhedra, then the triangles of placed meshes, place by place. The spans are read during the
+/// build only.
 struct ShapeSpans {
   std::span<const Vec3f> positions = {};
   std::span<const Triangle> triangles = {};
   std::span<const Ellipsoid> ellipsoids = {};
   std::span<const ConvexPolyhedron> polyhedra = {};
   std::span<const Plane> planes = {};
-  std::span<const VisibilityMask> masks = {};  ///< One per primitive; empty means kAllBits for all.
+  /// One per primitive but those of placed meshes; empty means kAllBits for all.
+  std::span<const VisibilityMask> masks = {};
 
+  /// Meshes that stand at several places: triangles over `positions`, which are in mesh space here.
+  std::span<const std::span<const Triangle>> meshes = {};
+  std::span<const MeshPlace> places = {};  ///< Sorted by mesh.
+
+  /// Without placed meshes.
   std::size_t primitive_count() const {
     return triangles.size() + ellipsoids.size() + polyhedra.size();
   }

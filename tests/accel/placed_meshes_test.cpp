@@ -17,12 +17,20 @@ struct Placed {
   World rest;  // Its positions begin with those of the meshes.
   std::vector<std::vector<Triangle>> meshes;
   std::vector<MeshPlace> places;
-  std::vector<std::span<const Triangle>> spans_of_meshes = {};
+  std::vector<Triangle> mesh_triangles = {};
+  std::vector<TriangleRange> ranges = {};
 
   ShapeSpans spans() {
-    spans_of_meshes.assign(meshes.begin(), meshes.end());
+    mesh_triangles.clear();
+    ranges.clear();
+    for (const std::vector<Triangle>& mesh : meshes) {
+      ranges.push_back({static_cast<std::uint32_t>(mesh_triangles.size()),
+                        static_cast<std::uint32_t>(mesh.size())});
+      mesh_triangles.insert(mesh_triangles.end(), mesh.begin(), mesh.end());
+    }
     ShapeSpans spans = rest.spans();
-    spans.meshes = spans_of_meshes;
+    spans.mesh_triangles = mesh_triangles;
+    spans.meshes = ranges;
     spans.places = places;
     return spans;
   }
@@ -310,14 +318,15 @@ TEST_P(PlacedMeshesTest, closed_mesh_lets_no_ray_out_between_its_triangles) {
 }
 
 TEST(PlacedNumbers, place_and_triangle_of_a_number_lead_back_to_it) {
-  const std::vector<std::uint32_t> counts{3, 5, 2};
+  const std::vector<TriangleRange> counts{{0, 3}, {3, 5}, {8, 2}};
   std::vector<MeshPlace> places(9);
   for (std::size_t i = 0; i < places.size(); ++i) places[i].mesh = i < 4 ? 0 : i < 6 ? 1 : 2;
   const PlacedNumbers numbers(counts, places, 100);
   std::uint32_t next = 100;
   for (std::uint32_t place = 0; place < places.size(); ++place) {
     EXPECT_EQ(numbers.first_primitive(place), next);
-    for (std::uint32_t triangle = 0; triangle < counts[places[place].mesh]; ++triangle, ++next) {
+    for (std::uint32_t triangle = 0; triangle < counts[places[place].mesh].count;
+         ++triangle, ++next) {
       EXPECT_EQ(numbers.triangle_of(next).place, place);
       EXPECT_EQ(numbers.triangle_of(next).triangle, triangle);
     }

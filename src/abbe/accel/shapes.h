@@ -42,6 +42,12 @@ inline constexpr VisibilityMask kOpaqueBit = 1;       ///< Stops light.
 inline constexpr VisibilityMask kTransparentBit = 2;  ///< Light may pass: glass, alpha.
 inline constexpr VisibilityMask kAllBits = 0xff;
 
+/// Triangles [first, first + count).
+struct TriangleRange {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+};
+
 /// One of the places of a mesh that stands at several: world = linear·p + offset_m. Its triangles
 /// are all alike to rays.
 /// Domain: `linear` can be inverted. A mirror image turns the winding round: a mesh that is to keep
@@ -65,10 +71,15 @@ struct ShapeSpans {
   /// One per primitive but those of placed meshes; empty means kAllBits for all.
   std::span<const VisibilityMask> masks = {};
 
-  /// Meshes that stand at several places: triangles over `positions`, which are in mesh space here.
-  std::span<const std::span<const Triangle>> meshes = {};
+  /// Meshes that stand at several places: ranges of triangles over `positions`, which are in mesh
+  /// space here.
+  std::span<const Triangle> mesh_triangles = {};
+  std::span<const TriangleRange> meshes = {};
   std::span<const MeshPlace> places = {};  ///< Sorted by mesh.
 
+  std::span<const Triangle> triangles_of(const TriangleRange& mesh) const {
+    return mesh_triangles.subspan(mesh.first, mesh.count);
+  }
   /// Without placed meshes.
   std::size_t primitive_count() const {
     return triangles.size() + ellipsoids.size() + polyhedra.size();

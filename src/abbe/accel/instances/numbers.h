@@ -16,10 +16,9 @@ namespace abbe {
 class PlacedNumbers {
  public:
   PlacedNumbers() = default;
-  /// Shape: the count of triangles of each mesh; places sorted by mesh; `first` is the number of
-  ///        the first primitive.
+  /// Shape: places sorted by mesh; `first` is the number of the first primitive.
   /// Errors: an input Error where the numbers do not suffice.
-  PlacedNumbers(std::span<const std::uint32_t> triangle_counts, std::span<const MeshPlace> places,
+  PlacedNumbers(std::span<const TriangleRange> meshes, std::span<const MeshPlace> places,
                 std::size_t first);
 
   struct PlacedTriangle {

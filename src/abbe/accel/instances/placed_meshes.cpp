@@ -28,19 +28,19 @@ Box3f point(const Vec3f& v) {
 
 PlacedMeshes::PlacedMeshes(const ShapeSpans& shapes, const Build& build) {
   ShapeSpans rest = shapes;
+  rest.mesh_triangles = {};
   rest.meshes = {};
   rest.places = {};
   rest_ = build(rest);
   visibility_ = Visibility(rest);
   meshes_.resize(shapes.meshes.size());
   std::vector<std::vector<Box3f>> parts(shapes.meshes.size());
-  std::vector<std::uint32_t> counts;
-  for (const auto& mesh : shapes.meshes) counts.push_back(static_cast<std::uint32_t>(mesh.size()));
   parallel_for(0, shapes.meshes.size(), 1, [&](std::size_t i) {
-    meshes_[i] = build({.positions = shapes.positions, .triangles = shapes.meshes[i]});
-    parts[i] = boxes_of_parts(shapes.positions, shapes.meshes[i]);
+    meshes_[i] =
+        build({.positions = shapes.positions, .triangles = shapes.triangles_of(shapes.meshes[i])});
+    parts[i] = boxes_of_parts(shapes.positions, shapes.triangles_of(shapes.meshes[i]));
   });
-  const PlacedNumbers numbers(counts, shapes.places, shapes.primitive_count());
+  const PlacedNumbers numbers(shapes.meshes, shapes.places, shapes.primitive_count());
   places_.resize(shapes.places.size());
   std::vector<Box3f> boxes(shapes.places.size());
   parallel_for(0, shapes.places.size(), 256, [&](std::size_t i) {

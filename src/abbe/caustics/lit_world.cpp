@@ -14,7 +14,7 @@ LitWorld make_lit_world(const Scene& scene, const WorldOptions& options,
   const auto start = std::chrono::steady_clock::now();
   validate(scene, "scene");
   TabulatedScene tables = tabulate(scene, options, observer, d65);
-  Geometry geometry = flatten(scene, notes);
+  Geometry geometry = flatten(scene, notes, options.sharing);
   FlatCaustics flat = find_flat_caustics(scene, tables, caustics, notes);
   World world = make_world(std::move(tables), std::move(geometry), flat.surface_is_exact,
                            options.accelerator);

@@ -66,7 +66,8 @@ class FanHits {
   /// Asks for the memory that shading the fans of a batch will read, of which `at` is next. Domain:
   /// for each of them in turn.
   void fetch_geometry(const FanList& list, const BatchHits& batch, std::size_t at) const {
-    if (world_.geometry.triangles.size() < kFewTriangles) return;
+    const Geometry& geometry = world_.geometry;
+    if (geometry.triangles.size() + geometry.mesh_triangles.size() < kFewTriangles) return;
     const std::size_t last = batch.first + batch.first_query.size();
     const bool is_first = at == batch.first;
     for (std::size_t i = is_first ? at : at + 2 * kFansAhead; i <= at + 2 * kFansAhead; ++i) {
@@ -211,16 +212,18 @@ class FanHits {
   template <class Visit>
   HWY_INLINE void for_each_triangle(const Fan& fan, const BatchHits& batch, std::size_t number,
                                     const Visit& visit) const {
-    const auto triangles = static_cast<std::uint32_t>(world_.geometry.triangles.size());
+    const auto is_triangle = [&](std::uint32_t primitive) {
+      return primitive != kNoPrimitive && world_.geometry.is_triangle(primitive);
+    };
     const std::uint32_t query = batch.query_of(number);
     if (!fan.spread) {
-      if (batch.hits[query].primitive < triangles) visit(batch.hits[query].primitive);
+      if (is_triangle(batch.hits[query].primitive)) visit(batch.hits[query].primitive);
       return;
     }
     std::uint32_t before = kNoPrimitive;
     for (int block = 0; block * kPacketLanes < stride_; ++block) {
       for (const std::uint32_t primitive : batch.packets[query + block].primitive) {
-        if (primitive < triangles && primitive != before) visit(primitive);
+        if (primitive != before && is_triangle(primitive)) visit(primitive);
         before = primitive;
       }
     }
@@ -228,16 +231,25 @@ class FanHits {
 
   void fetch_triangles(const Fan& fan, const BatchHits& batch, std::size_t number) const {
     for_each_triangle(fan, batch, number, [&](std::uint32_t triangle) {
-      hwy::Prefetch(&world_.geometry.primitive_surface[triangle]);
-      hwy::Prefetch(&world_.geometry.triangles[triangle]);
+      const Geometry& geometry = world_.geometry;
+      if (geometry.is_shared(triangle)) {
+        const PlacedNumbers::PlacedTriangle found = geometry.numbers.triangle_of(triangle);
+        const MeshPlace& place = geometry.places[found.place];
+        hwy::Prefetch(&geometry.mesh_triangles[geometry.meshes[place.mesh].first + found.triangle]);
+        hwy::Prefetch(&geometry.place_surface[found.place]);
+        hwy::Prefetch(&geometry.place_normals[found.place]);
+        return;
+      }
+      hwy::Prefetch(&geometry.primitive_surface[triangle]);
+      hwy::Prefetch(&geometry.triangles[triangle]);
     });
   }
 
   void fetch_corners(const Fan& fan, const BatchHits& batch, std::size_t number) const {
     for_each_triangle(fan, batch, number, [&](std::uint32_t triangle) {
-      const Surface& surface =
-          world_.geometry.surfaces[world_.geometry.primitive_surface[triangle]];
-      for (const std::uint32_t corner : world_.geometry.triangles[triangle]) {
+      const LocatedTriangle located = world_.geometry.located(triangle);
+      const Surface& surface = world_.geometry.surfaces[located.surface];
+      for (const std::uint32_t corner : located.corners) {
         hwy::Prefetch(&world_.geometry.positions[corner]);
         if (surface.normals_offset) {
           hwy::Prefetch(
@@ -279,7 +291,7 @@ class FanHits {
     while (left.any()) {
       const int leader = left.front();
       const std::uint32_t primitive = hits.primitive[leader];
-      const std::uint32_t surface = world_.geometry.primitive_surface[primitive];
+      const std::uint32_t surface = world_.geometry.surface_of(primitive);
       LaneMask filled;
       if (has_attributes(world_, world_.geometry.surfaces[surface])) {
         filled = LanesWith(d, stride_, hits.primitive, primitive, left);
@@ -301,7 +313,7 @@ class FanHits {
 
   // The same lane by lane, where a triangle has attributes that differ from place to place.
   void find_points(const HitLanes& hits, const LaneMask& lanes, std::uint32_t primitive) {
-    const bool is_triangle = primitive < world_.geometry.triangles.size();
+    const bool is_triangle = world_.geometry.is_triangle(primitive);
     const TriangleFrame frame = is_triangle ? triangle_frame(world_, primitive) : TriangleFrame{};
     for (int lane = lanes.front(); lane < world_.lanes.lane_count(); ++lane) {
       if (!lanes.test(lane)) continue;

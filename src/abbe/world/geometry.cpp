@@ -4,11 +4,13 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 
 #include "abbe/base/error.h"
 #include "abbe/scene/convex.h"
+#include "abbe/world/sharing.h"
 
 namespace abbe {
 namespace {
@@ -37,7 +39,46 @@ class Flattener {
  public:
   Flattener(const Scene& scene, Geometry& geometry) : scene_(scene), geometry_(geometry) {}
 
+  // The data of a shared mesh, and the surface of its instances but for their number.
+  void add_shared(const SharedMesh& shared) {
+    const Mesh& mesh = scene_.meshes[shared.mesh];
+    Surface surface;
+    add_vertices(surface, mesh, [&](const Vec3f& p) { return Vec3f(Vec3d(p) - shared.center); });
+    geometry_.normals.insert(geometry_.normals.end(), mesh.normals.begin(), mesh.normals.end());
+    geometry_.tangents.insert(geometry_.tangents.end(), mesh.tangents.begin(), mesh.tangents.end());
+    TriangleRange range;
+    range.first = static_cast<std::uint32_t>(geometry_.mesh_triangles.size());
+    for (const auto& corner : mesh.triangles) {
+      const Triangle triangle = global(corner, surface, shared.is_mirrored);
+      if (!is_sound(triangle)) {
+        ++dropped_;
+        continue;
+      }
+      geometry_.mesh_triangles.push_back(triangle);
+    }
+    range.count = static_cast<std::uint32_t>(geometry_.mesh_triangles.size()) - range.first;
+    const auto number = static_cast<std::uint32_t>(geometry_.meshes.size());
+    geometry_.meshes.push_back(range);
+    if (range.count == 0) return;
+    for (const std::uint32_t instance : shared.instances) {
+      const Mat4d& to_world = scene_.instances[instance].to_world;
+      MeshPlace place;
+      place.mesh = number;
+      place.linear = Mat3d(to_world);
+      place.offset_m = Vec3d(to_world * Vec4d(shared.center, 1.0));
+      geometry_.places.push_back(place);
+      geometry_.place_normals.push_back(glm::transpose(glm::inverse(place.linear)));
+      geometry_.place_surface.push_back(instance);
+      shared_surfaces_[instance] = surface;
+    }
+  }
+
   void add(std::uint32_t object, const Instance& instance) {
+    if (const auto shared = shared_surfaces_.find(object); shared != shared_surfaces_.end()) {
+      geometry_.surfaces.push_back(shared->second);
+      geometry_.surfaces.back().object = object;
+      return;
+    }
     Surface surface;
     surface.object = object;
     if (const auto* mesh = std::get_if<std::uint32_t>(&instance.what)) {
@@ -56,36 +97,23 @@ class Flattener {
     for (std::size_t i = geometry_.triangles.size(); i < all.size(); ++i) {
       geometry_.surface_solid[all[i]] = static_cast<std::uint32_t>(i);
     }
+    geometry_.numbers = PlacedNumbers(geometry_.meshes, geometry_.places, all.size());
   }
 
   std::size_t dropped_triangles() const { return dropped_; }
 
  private:
-  void add_mesh(Surface surface, const Mesh& mesh, const Mat4d& to_world) {
+  // What does not depend on the place, and positions; room for normals and tangents.
+  template <class Move>
+  void add_vertices(Surface& surface, const Mesh& mesh, const Move& move) {
     surface.material = mesh.material;
     surface.first_vertex = static_cast<std::uint32_t>(geometry_.positions.size());
-    const Mat3d linear(to_world);
-    const Mat3d for_normals = glm::transpose(glm::inverse(linear));
-    const bool mirrored = glm::determinant(linear) < 0.0;
-    for (const Vec3f& position : mesh.positions) {
-      geometry_.positions.emplace_back(Vec3d(to_world * Vec4d(Vec3d(position), 1.0)));
-    }
+    for (const Vec3f& position : mesh.positions) geometry_.positions.push_back(move(position));
     if (!mesh.normals.empty()) {
       surface.normals_offset = static_cast<std::uint32_t>(geometry_.normals.size());
-      for (const Vec3f& normal : mesh.normals) {
-        const Vec3d moved = for_normals * Vec3d(normal);
-        const double length = glm::length(moved);
-        // A useless normal becomes zero: shading then uses the triangle's own.
-        geometry_.normals.push_back(std::isfinite(length) && length > 0.0 ? Vec3f(moved / length)
-                                                                          : Vec3f(0.0f));
-      }
     }
     if (!mesh.tangents.empty()) {
       surface.tangents_offset = static_cast<std::uint32_t>(geometry_.tangents.size());
-      for (const Vec4f& tangent : mesh.tangents) {
-        const Vec3f moved(linear * Vec3d(Vec3f(tangent)));
-        geometry_.tangents.emplace_back(moved, mirrored ? -tangent.w : tangent.w);
-      }
     }
     for (std::size_t set = 0; set < surface.uv_offset.size(); ++set) {
       if (mesh.uv[set].empty()) continue;
@@ -97,16 +125,40 @@ class Flattener {
       geometry_.colors_rec709.insert(geometry_.colors_rec709.end(), mesh.colors_rec709.begin(),
                                      mesh.colors_rec709.end());
     }
+  }
+
+  // A mirror image turns the winding round; outside has to stay outside.
+  static Triangle global(const Triangle& corner, const Surface& surface, bool mirrored) {
+    Triangle triangle{corner[0] + surface.first_vertex, corner[1] + surface.first_vertex,
+                      corner[2] + surface.first_vertex};
+    if (mirrored) std::swap(triangle[1], triangle[2]);
+    return triangle;
+  }
+
+  bool is_sound(const Triangle& triangle) const {
+    const Vec3f& a = geometry_.positions[triangle[0]];
+    const Vec3f& b = geometry_.positions[triangle[1]];
+    const Vec3f& c = geometry_.positions[triangle[2]];
+    return is_finite(a) && is_finite(b) && is_finite(c) && has_area(a, b, c);
+  }
+
+  void add_mesh(Surface surface, const Mesh& mesh, const Mat4d& to_world) {
+    const Mat3d linear(to_world);
+    const Mat3d for_normals = glm::transpose(glm::inverse(linear));
+    const bool mirrored = glm::determinant(linear) < 0.0;
+    add_vertices(surface, mesh, [&](const Vec3f& position) {
+      return Vec3f(Vec3d(to_world * Vec4d(Vec3d(position), 1.0)));
+    });
+    for (const Vec3f& normal : mesh.normals) {
+      geometry_.normals.push_back(moved_normal(for_normals, normal));
+    }
+    for (const Vec4f& tangent : mesh.tangents) {
+      geometry_.tangents.push_back(moved_tangent(linear, mirrored, tangent));
+    }
     const auto number = static_cast<std::uint32_t>(geometry_.surfaces.size());
     for (const auto& corner : mesh.triangles) {
-      Triangle triangle{corner[0] + surface.first_vertex, corner[1] + surface.first_vertex,
-                        corner[2] + surface.first_vertex};
-      // A mirror image turns the winding round; outside has to stay outside.
-      if (mirrored) std::swap(triangle[1], triangle[2]);
-      const Vec3f& a = geometry_.positions[triangle[0]];
-      const Vec3f& b = geometry_.positions[triangle[1]];
-      const Vec3f& c = geometry_.positions[triangle[2]];
-      if (!is_finite(a) || !is_finite(b) || !is_finite(c) || !has_area(a, b, c)) {
+      const Triangle triangle = global(corner, surface, mirrored);
+      if (!is_sound(triangle)) {
         ++dropped_;
         continue;
       }
@@ -177,16 +229,41 @@ class Flattener {
 
   const Scene& scene_;
   Geometry& geometry_;
+  std::map<std::uint32_t, Surface> shared_surfaces_;  // By instance.
   std::vector<std::uint32_t> triangle_surface_, ellipsoid_surface_, polyhedron_surface_;
   std::size_t dropped_ = 0;
 };
 
 }  // namespace
 
-Geometry flatten(const Scene& scene, Notes& notes) {
+Vec3f moved_normal(const Mat3d& for_normals, const Vec3f& normal) {
+  const Vec3d moved = for_normals * Vec3d(normal);
+  const double length = glm::length(moved);
+  return std::isfinite(length) && length > 0.0 ? Vec3f(moved / length) : Vec3f(0.0f);
+}
+
+Vec4f moved_tangent(const Mat3d& linear, bool mirrored, const Vec4f& tangent) {
+  const Vec3f moved(linear * Vec3d(Vec3f(tangent)));
+  return {moved, mirrored ? -tangent.w : tangent.w};
+}
+
+std::array<Vec3d, 3> Geometry::corners_of(std::uint32_t primitive) const {
+  const LocatedTriangle triangle = located(primitive);
+  std::array<Vec3d, 3> corners;
+  for (std::size_t i = 0; i < 3; ++i) {
+    corners[i] = Vec3d(positions[triangle.corners[i]]);
+    if (!triangle.place) continue;
+    const MeshPlace& place = places[*triangle.place];
+    corners[i] = place.linear * corners[i] + place.offset_m;
+  }
+  return corners;
+}
+
+Geometry flatten(const Scene& scene, Notes& notes, const SharingRule& rule) {
   Geometry geometry;
   geometry.origin_m = scene.origin_m;
   Flattener flattener(scene, geometry);
+  for (const SharedMesh& shared : find_shared_meshes(scene, rule)) flattener.add_shared(shared);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     flattener.add(static_cast<std::uint32_t>(i), scene.instances[i]);
   }
@@ -206,7 +283,10 @@ ShapeSpans Geometry::shapes(std::span<const VisibilityMask> masks) const {
           .ellipsoids = ellipsoids,
           .polyhedra = polyhedra,
           .planes = planes,
-          .masks = masks};
+          .masks = masks,
+          .mesh_triangles = mesh_triangles,
+          .meshes = meshes,
+          .places = places};
 }
 
 Box3f Geometry::bounds_of(std::size_t primitive) const {
@@ -224,7 +304,8 @@ std::size_t Geometry::bytes() const {
   const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   return bytes(positions) + bytes(triangles) + bytes(normals) + bytes(tangents) + bytes(uv) +
          bytes(colors_rec709) + bytes(ellipsoids) + bytes(ellipsoid_to_world) + bytes(polyhedra) +
-         bytes(planes) + bytes(primitive_surface) + bytes(surfaces);
+         bytes(planes) + bytes(primitive_surface) + bytes(surfaces) + bytes(mesh_triangles) +
+         bytes(places) + bytes(place_surface) + bytes(place_normals);
 }
 
 }  // namespace abbe

@@ -8,11 +8,13 @@
 #include <span>
 #include <vector>
 
+#include "abbe/accel/instances/numbers.h"
 #include "abbe/accel/query.h"
 #include "abbe/accel/shapes.h"
 #include "abbe/base/notes.h"
 #include "abbe/math/vec.h"
 #include "abbe/scene/scene.h"
+#include "abbe/world/sharing_rule.h"
 
 namespace abbe {
 
@@ -27,14 +29,22 @@ struct Surface {
   bool ends_light = false;  ///< Its primitives have kExactGlassBit.
 };
 
+/// Where a triangle's data lies.
+struct LocatedTriangle {
+  Triangle corners{};  ///< Into positions.
+  std::uint32_t surface = 0;
+  /// Into places: positions, normals and tangents are those of mesh space; none: of the world.
+  std::optional<std::uint32_t> place;
+};
+
 /// Placed meshes and exact shapes. Primitives are numbered triangles first, then ellipsoids, then
-/// polyhedra.
-/// Units: metres, in the world.
+/// polyhedra, then the triangles of meshes that stand at several places and share their data.
+/// Units: metres, in the world; of shared meshes in mesh space.
 struct Geometry {
   Vec3d origin_m{
       0.0};  ///< Of the scene: what is here at p, the scene's author placed at origin + p.
   std::vector<Surface> surfaces;
-  std::vector<std::uint32_t> primitive_surface;  ///< Per primitive.
+  std::vector<std::uint32_t> primitive_surface;  ///< Per primitive but those of shared meshes.
   std::vector<std::uint32_t> surface_solid;  ///< The primitive of an exact shape, or kNoPrimitive.
 
   std::vector<Vec3f> positions;
@@ -48,16 +58,50 @@ struct Geometry {
   std::vector<ConvexPolyhedron> polyhedra;
   std::vector<Plane> planes;
 
-  /// What an accelerator is built over; `masks` one per primitive.
+  std::vector<Triangle> mesh_triangles;  ///< Of shared meshes.
+  std::vector<TriangleRange> meshes;
+  std::vector<MeshPlace> places;  ///< Sorted by mesh.
+  std::vector<std::uint32_t> place_surface;
+  std::vector<Mat3d> place_normals;  ///< For normals: the inverse transpose of each one's map.
+  PlacedNumbers numbers;             ///< Of the primitives of places.
+
+  bool is_triangle(std::uint32_t primitive) const {
+    return primitive < triangles.size() || is_shared(primitive);
+  }
+  bool is_shared(std::uint32_t primitive) const { return primitive >= primitive_surface.size(); }
+  /// Domain: the number of a primitive.
+  std::uint32_t surface_of(std::uint32_t primitive) const {
+    return is_shared(primitive) ? place_surface[numbers.triangle_of(primitive).place]
+                                : primitive_surface[primitive];
+  }
+  /// Domain: the number of a triangle.
+  LocatedTriangle located(std::uint32_t primitive) const {
+    if (!is_shared(primitive)) return {triangles[primitive], primitive_surface[primitive], {}};
+    const PlacedNumbers::PlacedTriangle found = numbers.triangle_of(primitive);
+    return {mesh_triangles[meshes[places[found.place].mesh].first + found.triangle],
+            place_surface[found.place], found.place};
+  }
+  /// The corners of a triangle in the world, not rounded further than they are in memory.
+  std::array<Vec3d, 3> corners_of(std::uint32_t primitive) const;
+
+  /// What an accelerator is built over; `masks` one per primitive but those of shared meshes.
   ShapeSpans shapes(std::span<const VisibilityMask> masks) const;
   std::size_t bytes() const;
+  /// Domain: a primitive of no shared mesh.
   Box3f bounds_of(std::size_t primitive) const;
 };
 
+/// Normals and tangents of a mesh at a place. A useless normal becomes zero: shading then uses the
+/// triangle's own.
+Vec3f moved_normal(const Mat3d& for_normals, const Vec3f& normal);
+Vec4f moved_tangent(const Mat3d& linear, bool mirrored, const Vec4f& tangent);
+
 /// Places the instances of a scene, one surface each. Degenerate and non-finite triangles that
-/// arise from an instance's transform are dropped with a warning.
+/// arise from an instance's transform are dropped with a warning. Instances share data where the
+/// rule says so, but for those that let light through, shine, or come near what does the former:
+/// light through glass, lamps and contacts are found from primitives in the world.
 /// Errors: input Error that names an instance whose transform flattens a shape, or whose planes
-///         bound no solid.
-Geometry flatten(const Scene& scene, Notes& notes);
+///         bound no solid; or where there are more primitives than numbers.
+Geometry flatten(const Scene& scene, Notes& notes, const SharingRule& rule = {});
 
 }  // namespace abbe

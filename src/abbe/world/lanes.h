@@ -15,6 +15,7 @@
 #include "abbe/spectrum/observer.h"
 #include "abbe/spectrum/wavelength_set.h"
 #include "abbe/world/causes.h"
+#include "abbe/world/sharing_rule.h"
 
 namespace abbe {
 
@@ -40,6 +41,7 @@ struct WorldOptions {
   /// Others may be drawn.
   std::vector<float> shifts = {};
   std::string accelerator = "kdtree";  ///< One of accelerator_names(). Never shapes the image.
+  SharingRule sharing = {};            ///< Shapes the image by rounding only.
 };
 
 /// Errors: a usage Error for a mode or an uplift that is none, made of a number.

@@ -53,6 +53,15 @@ std::vector<VisibilityMask> masks_of(const Geometry& geometry,
   return masks;
 }
 
+// Of materials that stop light or have alpha: glass shares nothing.
+void set_masks_of_places(Geometry& geometry, const std::vector<SurfaceMaterial>& materials) {
+  for (std::size_t i = 0; i < geometry.places.size(); ++i) {
+    const Surface& surface = geometry.surfaces[geometry.place_surface[i]];
+    geometry.places[i].mask =
+        materials[surface.material].lets_light_pass() ? kTransparentBit : kOpaqueBit;
+  }
+}
+
 std::vector<Box3f> boxes_of_media(const World& world) {
   const Geometry& geometry = world.geometry;
   std::vector<Box3f> boxes(geometry.surfaces.size());
@@ -132,6 +141,8 @@ World make_world(TabulatedScene tables, Geometry geometry, std::span<const std::
   }
   VisibilityMask bits = 0;
   for (const VisibilityMask mask : masks) bits |= mask;
+  set_masks_of_places(geometry, tables.materials);
+  for (const MeshPlace& place : geometry.places) bits |= place.mask;
   auto built = build_accelerator(accelerator, geometry.shapes(masks));
   std::vector<Touching> touching = touching_primitives(geometry, tables.materials, *built);
   World world{std::move(tables), std::move(geometry), std::move(built), bits};

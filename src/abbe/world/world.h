@@ -67,8 +67,14 @@ struct World : TabulatedScene {
   /// Of each surface that bounds a medium, and of all of them.
   std::vector<Box3f> medium_boxes = {};
   Box3f media_bounds = {};
-  /// Per primitive; empty where nothing may touch anything.
+  /// Per primitive but those of shared meshes, which touch nothing; empty where nothing may touch
+  /// anything.
   std::vector<Touching> touching = {};
+
+  const Touching& touching_of(std::uint32_t primitive) const {
+    static constexpr Touching kNothing{};
+    return primitive < touching.size() ? touching[primitive] : kNothing;
+  }
 };
 
 /// Puts what a scene is made of into an accelerator of that name.

@@ -23,18 +23,15 @@ InterfaceList::Face InterfaceList::face_of(const Ray& line, const Hit& hit) cons
   Face face;
   face.hit = hit;
   face.t = static_cast<double>(hit.t);
-  face.surface = geometry.primitive_surface[hit.primitive];
+  face.surface = geometry.surface_of(hit.primitive);
   Vec3d normal;
   std::size_t index = hit.primitive;
   const auto meet_plane = [&](double height) {
     face.cosine = glm::dot(direction, normal);
     if (face.cosine != 0.0) face.t = -height / face.cosine;
   };
-  if (index < geometry.triangles.size()) {
-    const Triangle& corners = geometry.triangles[index];
-    const Vec3d a(geometry.positions[corners[0]]);
-    const Vec3d b(geometry.positions[corners[1]]);
-    const Vec3d c(geometry.positions[corners[2]]);
+  if (geometry.is_triangle(hit.primitive)) {
+    const auto [a, b, c] = geometry.corners_of(hit.primitive);
     normal = glm::normalize(glm::cross(b - a, c - a));
     face.size_m = std::max({largest(a), largest(b), largest(c)});
     meet_plane(glm::dot(normal, origin - a));
@@ -178,8 +175,9 @@ void ContactFinder::look_around(const Ray& ray, double t, double along_m) {
 // first. Returns the interface that the hit belongs to.
 std::size_t ContactFinder::look_around(const Ray& ray, const Hit& hit) {
   const SurfacePoint point = surface_point(world_, ray.origin, ray.direction, hit);
-  reach_m_ = 2.0f * (point.offset_m + rounding_bound(12) * hit.t) +
-             static_cast<float>(2.0 * kContactUlps * kUlp) * world_.touching[hit.primitive].size_m;
+  reach_m_ =
+      2.0f * (point.offset_m + rounding_bound(12) * hit.t) +
+      static_cast<float>(2.0 * kContactUlps * kUlp) * world_.touching_of(hit.primitive).size_m;
   const double along_m = static_cast<double>(
       reach_m_ / std::max(std::abs(glm::dot(ray.direction, point.normal)), kLeastCosine));
   look_around(ray, static_cast<double>(hit.t), along_m);
@@ -188,7 +186,7 @@ std::size_t ContactFinder::look_around(const Ray& ray, const Hit& hit) {
   if (own < list_.all().size()) return own;
   // On an edge the line, rounded elsewhere, may meet only the triangle next to it.
   return list_.find(along_m, [&](std::uint32_t surface, std::uint32_t) {
-    return surface == world_.geometry.primitive_surface[hit.primitive];
+    return surface == world_.geometry.surface_of(hit.primitive);
   });
 }
 
@@ -252,7 +250,7 @@ std::optional<Contact> ContactFinder::leave(const Ray& ray, const Departure& dep
   std::optional<Contact> contact;
   if (hit.is_hit()) {
     const Vec3f place = beyond.origin + hit.t * beyond.direction;
-    if (world_.touching[hit.primitive].holds(place, hit.t)) contact = meet(beyond, hit);
+    if (world_.touching_of(hit.primitive).holds(place, hit.t)) contact = meet(beyond, hit);
   }
   hit.t += glm::dot(beyond.origin - ray.origin, ray.direction);
   return contact;

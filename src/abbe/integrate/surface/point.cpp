@@ -33,8 +33,8 @@ void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hi
   const Vec3f sums = glm::abs(w * a) + glm::abs(u * b) + glm::abs(v * c);
   const float reach = std::sqrt(std::max(
       {distance2(a, point.position), distance2(b, point.position), distance2(c, point.position)}));
-  point.offset_m =
-      rounding_bound(9) * glm::dot(sums, glm::abs(point.normal)) + rounding_bound(12) * reach;
+  point.offset_m = rounding_bound(9) * glm::dot(sums, glm::abs(point.normal)) +
+                   rounding_bound(12) * reach + frame.added_offset_m;
 
   const auto interpolate = [&](const auto& values, std::uint32_t offset) {
     const std::uint32_t shift = offset - surface.first_vertex;
@@ -57,7 +57,7 @@ void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hi
   }
   point.shading_normal = point.normal;
   if (surface.normals_offset) {
-    const Vec3f normal = interpolate(world.geometry.normals, *surface.normals_offset);
+    const Vec3f normal = w * frame.normals[0] + u * frame.normals[1] + v * frame.normals[2];
     point.shading_normal = unit_or(normal, point.normal);
     // Modellers' normals decide which side is meant only for shading; the winding decides outside.
     if (glm::dot(point.shading_normal, point.normal) < 0.0f) {
@@ -73,7 +73,15 @@ void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hi
   Vec3f tangent(0.0f);
   float handedness = 1.0f;
   if (surface.tangents_offset) {
-    const Vec4f t = interpolate(world.geometry.tangents, *surface.tangents_offset);
+    const std::uint32_t shift = *surface.tangents_offset - surface.first_vertex;
+    std::array<Vec4f, 3> tangents;
+    for (std::size_t i = 0; i < 3; ++i) tangents[i] = world.geometry.tangents[corners[i] + shift];
+    if (frame.place) {
+      const Mat3d& linear = world.geometry.places[*frame.place].linear;
+      const bool mirrored = glm::determinant(linear) < 0.0;
+      for (Vec4f& of_corner : tangents) of_corner = moved_tangent(linear, mirrored, of_corner);
+    }
+    const Vec4f t = w * tangents[0] + u * tangents[1] + v * tangents[2];
     tangent = Vec3f(t);
     handedness = t.w < 0.0f ? -1.0f : 1.0f;
   } else {
@@ -122,18 +130,61 @@ void fill_polyhedron(const World& world, const Vec3d& on_ray, std::size_t index,
   point.offset_m = rounding_bound(5) * glm::dot(glm::abs(point.position), glm::abs(point.normal));
 }
 
+// Moves a frame from the space of its mesh, where `cross` is that of its sides, to its place.
+void move_frame(const Geometry& geometry, const Vec3d& cross, TriangleFrame& frame) {
+  const MeshPlace& place = geometry.places[*frame.place];
+  const Mat3d& for_normals = geometry.place_normals[*frame.place];
+  // Areas, as vectors, are moved by the matrix of cofactors.
+  const Vec3d moved = glm::determinant(place.linear) * (for_normals * cross);
+  const double twice_area = glm::length(moved);
+  const Vec3d normal = moved / twice_area;
+  frame.normal = Vec3f(normal);
+  frame.twice_area = static_cast<float>(twice_area);
+  for (Vec3f& of_corner : frame.normals) of_corner = moved_normal(for_normals, of_corner);
+  // An error e in mesh space is one of normal·linear·e along the normal. A ray's origin is rounded
+  // there, to what is near the corners; and the test errs as it does in the world.
+  const Vec3d to_height = glm::transpose(place.linear) * normal;
+  const Vec3f largest = glm::max(glm::abs(frame.a), glm::max(glm::abs(frame.b), glm::abs(frame.c)));
+  const float longest = std::sqrt(std::max(
+      {distance2(frame.a, frame.b), distance2(frame.b, frame.c), distance2(frame.c, frame.a)}));
+  const float in_mesh =
+      rounding_bound(2) * static_cast<float>(glm::dot(glm::abs(to_height), Vec3d(largest))) +
+      rounding_bound(12) * static_cast<float>(glm::length(to_height)) * longest;
+  Vec3f farthest(0.0f);
+  for (Vec3f* const corner : {&frame.a, &frame.b, &frame.c}) {
+    *corner = Vec3f(place.linear * Vec3d(*corner) + place.offset_m);
+    farthest = glm::max(farthest, glm::abs(*corner));
+  }
+  // The corners are rounded here, not there.
+  frame.added_offset_m = in_mesh + rounding_bound(1) * glm::dot(farthest, glm::abs(frame.normal));
+}
+
 }  // namespace
 
 TriangleFrame triangle_frame(const World& world, std::uint32_t primitive) {
+  const Geometry& geometry = world.geometry;
+  const LocatedTriangle located = geometry.located(primitive);
   TriangleFrame frame;
-  frame.surface = world.geometry.primitive_surface[primitive];
-  frame.corners = world.geometry.triangles[primitive];
-  frame.a = world.geometry.positions[frame.corners[0]];
-  frame.b = world.geometry.positions[frame.corners[1]];
-  frame.c = world.geometry.positions[frame.corners[2]];
+  frame.surface = located.surface;
+  frame.corners = located.corners;
+  frame.place = located.place;
+  const Surface& surface = geometry.surfaces[frame.surface];
+  if (surface.normals_offset) {
+    const std::uint32_t shift = *surface.normals_offset - surface.first_vertex;
+    for (std::size_t i = 0; i < 3; ++i) {
+      frame.normals[i] = geometry.normals[frame.corners[i] + shift];
+    }
+  }
+  frame.a = geometry.positions[frame.corners[0]];
+  frame.b = geometry.positions[frame.corners[1]];
+  frame.c = geometry.positions[frame.corners[2]];
   // In double: thin triangles far from the origin still have a direction to face.
   const Vec3d a(frame.a);
   const Vec3d cross = glm::cross(Vec3d(frame.b) - a, Vec3d(frame.c) - a);
+  if (frame.place) {
+    move_frame(geometry, cross, frame);
+    return frame;
+  }
   const double twice_area = glm::length(cross);
   frame.normal = Vec3f(cross / twice_area);
   frame.twice_area = static_cast<float>(twice_area);
@@ -150,7 +201,7 @@ SurfacePoint triangle_point(const World& world, const TriangleFrame& frame, cons
 SurfacePoint surface_point(const World& world, const Vec3f& origin, const Vec3f& direction,
                            const Hit& hit) {
   std::size_t index = hit.primitive;
-  if (index < world.geometry.triangles.size()) {
+  if (world.geometry.is_triangle(hit.primitive)) {
     return triangle_point(world, triangle_frame(world, hit.primitive), hit);
   }
   SurfacePoint point;

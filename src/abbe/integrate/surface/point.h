@@ -1,8 +1,10 @@
 /// The geometry of a hit: place, normals, coordinates, and how far to step off the surface.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "abbe/accel/query.h"
 #include "abbe/math/vec.h"
@@ -38,6 +40,11 @@ struct TriangleFrame {
   Vec3f normal{0.0f};               ///< Geometric, unit length.
   float twice_area = 0.0f;          ///< m².
   std::uint32_t surface = 0;
+  std::array<Vec3f, 3> normals{};  ///< Of the corners, if the surface has any.
+  /// What a mesh that shares its data adds to the step off its surface: rays are rounded in its
+  /// space when they test the triangle.
+  float added_offset_m = 0.0f;
+  std::optional<std::uint32_t> place;  ///< Of a shared mesh, into Geometry::places.
 };
 TriangleFrame triangle_frame(const World& world, std::uint32_t primitive);
 

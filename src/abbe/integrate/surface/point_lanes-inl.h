@@ -70,10 +70,6 @@ HWY_INLINE void FillTriangleLanes(D d, int stride, const World& world, const Tri
                                   const HitLanes& hits, const LaneMask& lanes, SurfaceLanes& out) {
   const Surface& surface = world.geometry.surfaces[frame.surface];
   const auto normal = Set3(d, frame.normal);
-  const Vec3f* normals = nullptr;
-  if (surface.normals_offset) {
-    normals = world.geometry.normals.data() + *surface.normals_offset - surface.first_vertex;
-  }
   const auto distance2 = [&](const Vec3Of<D>& p, const Vec3f& corner) {
     const Vec3Of<D> to{hn::Sub(hn::Set(d, corner.x), p.x), hn::Sub(hn::Set(d, corner.y), p.y),
                        hn::Sub(hn::Set(d, corner.z), p.z)};
@@ -98,12 +94,14 @@ HWY_INLINE void FillTriangleLanes(D d, int stride, const World& world, const Tri
     const auto reach =
         hn::Sqrt(hn::Max(hn::Max(distance2(position, frame.a), distance2(position, frame.b)),
                          distance2(position, frame.c)));
-    const auto offset = hn::Add(hn::Mul(hn::Set(d, rounding_bound(9)), Dot3(d, sums, abs_normal)),
-                                hn::Mul(hn::Set(d, rounding_bound(12)), reach));
+    const auto offset =
+        hn::Add(hn::Add(hn::Mul(hn::Set(d, rounding_bound(9)), Dot3(d, sums, abs_normal)),
+                        hn::Mul(hn::Set(d, rounding_bound(12)), reach)),
+                hn::Set(d, frame.added_offset_m));
     auto shading = normal;
-    if (normals != nullptr) {
-      const auto mean = Interpolated3(d, w, normals[frame.corners[0]], u, normals[frame.corners[1]],
-                                      v, normals[frame.corners[2]]);
+    if (surface.normals_offset) {
+      const auto mean =
+          Interpolated3(d, w, frame.normals[0], u, frame.normals[1], v, frame.normals[2]);
       const auto length2 = Dot3(d, mean, mean);
       const auto usable =
           hn::And(hn::Gt(length2, hn::Zero(d)), hn::Lt(length2, hn::Set(d, kInfinity)));
@@ -232,7 +230,7 @@ HWY_INLINE LaneMask FillSurfaceLanes(D d, int stride, const World& world, const 
   const std::uint32_t primitive = hits.primitive[leader];
   LaneMask lanes = LanesWith(d, stride, hits.primitive, primitive, left);
   std::size_t index = primitive;
-  if (index < world.geometry.triangles.size()) {
+  if (world.geometry.is_triangle(primitive)) {
     FillTriangleLanes(d, stride, world, triangle_frame(world, primitive), hits, lanes, out);
     return lanes;
   }

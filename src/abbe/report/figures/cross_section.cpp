@@ -93,20 +93,27 @@ std::vector<std::vector<Vec3d>> cross_section(const World& world,
   std::vector<Polyline> cuts;
   const std::size_t triangles = world.geometry.triangles.size();
   const std::size_t ellipsoids = world.geometry.ellipsoids.size();
+  const auto add_triangle = [&](std::uint32_t primitive) {
+    const std::array<Vec3d, 3> corners = world.geometry.corners_of(primitive);
+    if (auto cut = cut_triangle(corners, normal, distance_m)) cuts.push_back(std::move(*cut));
+  };
   for (std::size_t i = 0; i < world.geometry.primitive_surface.size(); ++i) {
     if (wanted[world.geometry.primitive_surface[i]] == 0) continue;
     if (i < triangles) {
-      std::array<Vec3d, 3> corners;
-      for (std::size_t c = 0; c < 3; ++c) {
-        corners[c] = Vec3d(world.geometry.positions[world.geometry.triangles[i][c]]);
-      }
-      if (auto cut = cut_triangle(corners, normal, distance_m)) cuts.push_back(std::move(*cut));
+      add_triangle(static_cast<std::uint32_t>(i));
     } else if (i < triangles + ellipsoids) {
       cut_ellipsoid(world.geometry.ellipsoids[i - triangles], normal, distance_m, cuts);
     } else {
       cut_polyhedron(world, world.geometry.polyhedra[i - triangles - ellipsoids], normal,
                      distance_m, cuts);
     }
+  }
+  auto next = static_cast<std::uint32_t>(world.geometry.primitive_surface.size());
+  for (std::size_t i = 0; i < world.geometry.places.size(); ++i) {
+    const std::uint32_t first = next;
+    next += world.geometry.meshes[world.geometry.places[i].mesh].count;
+    if (wanted[world.geometry.place_surface[i]] == 0) continue;
+    for (std::uint32_t triangle = first; triangle < next; ++triangle) add_triangle(triangle);
   }
   return cuts;
 }

@@ -19,7 +19,7 @@ using InspectTest = ProgramTest;
 TEST_F(InspectTest, scene_as_json_says_what_it_holds) {
   const json scene = parsed({"inspect", "scene.gltf", "--json"});
   EXPECT_EQ(scene.at("scene"), "stage");
-  EXPECT_EQ(scene.at("default_lights"), false);
+  EXPECT_EQ(scene.at("rig"), "none");
   EXPECT_EQ(scene.at("cameras").at(0).at("name"), "eye");
   EXPECT_EQ(scene.at("cameras").at(0).at("projection"), "perspective");
   EXPECT_NEAR(scene.at("cameras").at(0).at("yfov_deg").get<double>(), 40.107, 1e-3);  // 0.7 rad

@@ -186,7 +186,9 @@ TEST_F(RenderTest, default_rig_and_camera_are_a_line_each) {
   write("dark.gltf", dark_scene());
   const Outcome run = abbe({"render", "dark.gltf", "-o", "a.exr", "--size", "16x9", "--spp", "1"});
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_THAT(run.err, HasSubstr("abbe: note: the scene has no light of its own"));
+  EXPECT_THAT(
+      run.err,
+      HasSubstr("abbe: note: the scene has no lamps and nothing around it: lit by a studio"));
   EXPECT_THAT(run.err, HasSubstr("abbe: note: the scene has no camera"));
   EXPECT_EQ(attribute<std::string>(read_exr_header(file("a.exr")), "abbe:camera"), "default");
 }

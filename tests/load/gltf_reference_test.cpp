@@ -7,6 +7,7 @@
 
 #include "abbe/base/error.h"
 #include "abbe/load/gltf.h"
+#include "abbe/scene/rigs.h"
 #include "abbe/scene/validation.h"
 #include "support/hostile_inputs.h"
 
@@ -54,11 +55,11 @@ TEST_P(HostileFile, load_meets_the_manifest) {
     EXPECT_TRUE(!outcome.scene || !outcome.notes.all().empty())
         << input.what << ": loaded without a word";
   }
-  // Whatever loads is fit to be rendered, with a default camera and lights if need be.
+  // Whatever loads is fit to be rendered, with a default camera and a rig if need be.
   if (outcome.scene) {
     Scene scene = *outcome.scene;
     add_default_camera(scene);
-    add_default_lights(scene);
+    add_rig(scene, Rig::Auto, 0, {"", Spectrum::constant(1.0)});
     EXPECT_NO_THROW(validate(scene, input.name));
     const Box3d box = bounds_of(scene);
     if (!box.is_empty()) {

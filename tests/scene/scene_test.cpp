@@ -76,35 +76,6 @@ TEST(bounds_of, convex_prism_is_bounded_by_its_corners) {
   expect_box(bounds_of(shape_scene(prism, Mat4d(1.0))), {-1, 0, -3}, {1, r3, 3});
 }
 
-TEST(add_default_lights, scene_without_light_gets_two) {
-  Scene scene = triangle_scene();
-  EXPECT_TRUE(add_default_lights(scene));
-  EXPECT_EQ(scene.lights.size(), 2u);
-  EXPECT_FALSE(add_default_lights(scene));
-  EXPECT_NO_THROW(validate(scene, "test"));
-}
-
-TEST(add_default_lights, scene_with_emission_ambient_or_unlit_gets_none) {
-  Scene emissive = triangle_scene();
-  emissive.materials[0].emissive_rec709 = {0, 1, 0};
-  EXPECT_FALSE(add_default_lights(emissive));
-  Scene spectral = triangle_scene();
-  spectral.materials[0].emission = SpectralEmission{{}, 5.0};
-  EXPECT_FALSE(add_default_lights(spectral));
-  Scene ambient = triangle_scene();
-  ambient.ambient = Ambient{1.0, {}};
-  EXPECT_FALSE(add_default_lights(ambient));
-  Scene unlit = triangle_scene();
-  unlit.materials[0].unlit = true;
-  EXPECT_FALSE(add_default_lights(unlit));
-}
-
-TEST(add_default_lights, emission_of_an_unused_material_does_not_count) {
-  Scene scene = triangle_scene();
-  scene.materials.emplace_back().emissive_rec709 = {1, 1, 1};
-  EXPECT_TRUE(add_default_lights(scene));
-}
-
 TEST(add_default_camera, every_corner_is_in_the_picture) {
   Scene scene = triangle_scene();
   scene.instances[0].to_world = translation({100, -20, 7});

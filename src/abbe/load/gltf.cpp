@@ -318,6 +318,9 @@ Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
     notes.warn(document.file_name(), "the scene has nothing to render");
   }
   scene.emissive_light = scene.lights.empty();
+  for (const char* name : {"ABBE_light", "ABBE_material", "ABBE_scene", "ABBE_shape"}) {
+    scene.uses_abbe = scene.uses_abbe || gltf::uses_extension(document, name);
+  }
   scene.content_hash = document.content_hash();
   validate(scene, document.file_name());
   convert_colors_to_rec709(scene);

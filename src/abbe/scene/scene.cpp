@@ -24,21 +24,7 @@ void extend_by_sphere(Box3d& box, const SphereShape& sphere, const Mat4d& to_wor
   box.extend({center - half, center + half});
 }
 
-bool emits(const Material& material) {
-  if (material.unlit) return true;
-  if (material.emission) return material.emission->luminance_cd_per_m2 > 0.0;
-  const Vec3f& e = material.emissive_rec709;
-  return e.x > 0.0f || e.y > 0.0f || e.z > 0.0f;
-}
-
-std::uint32_t material_of(const Scene& scene, const Instance& instance) {
-  if (const auto* mesh = std::get_if<std::uint32_t>(&instance.what)) {
-    return scene.meshes[*mesh].material;
-  }
-  return std::get<Shape>(instance.what).material;
-}
-
-// The box the default rig and camera are measured by; a unit cube for an empty scene.
+// The box the default camera is measured by; a unit cube for an empty scene.
 struct Extent {
   Vec3d center{0.0};
   double radius_m = 1.0;
@@ -59,29 +45,6 @@ Mat4d looking_along(const Vec3d& direction, const Vec3d& position) {
   const Vec3d x = glm::normalize(glm::cross(up, z));
   const Vec3d y = glm::cross(z, x);
   return {Vec4d(x, 0.0), Vec4d(y, 0.0), Vec4d(z, 0.0), Vec4d(position, 1.0)};
-}
-
-// Metals and glass show their surroundings: without any they would be black. A dim grey sphere
-// around everything, cameras included.
-void add_default_surround(Scene& scene, const Extent& extent, double least_radius_m) {
-  double radius_m = least_radius_m;
-  for (const Camera& camera : scene.cameras) {
-    radius_m = std::max(radius_m, 2.0 * glm::distance(Vec3d(camera.to_world[3]), extent.center));
-  }
-  Material grey;
-  grey.name = "default surround";
-  grey.base_color_rec709 = Vec4f(0.0f, 0.0f, 0.0f, 1.0f);
-  grey.metallic = 0.0f;
-  grey.index = ConstantIndex{1.0};
-  grey.emissive_rec709 = Vec3f(0.18f);
-  scene.materials.push_back(grey);
-  Instance surround;
-  surround.name = grey.name;
-  surround.what = Shape{.name = grey.name,
-                        .geometry = SphereShape{radius_m},
-                        .material = static_cast<std::uint32_t>(scene.materials.size() - 1)};
-  surround.to_world[3] = Vec4d(extent.center, 1.0);
-  scene.instances.push_back(surround);
 }
 
 }  // namespace
@@ -111,34 +74,13 @@ Box3d bounds_of(const Scene& scene) {
   return box;
 }
 
-bool add_default_lights(Scene& scene) {
-  if (!scene.lights.empty() || scene.ambient) return false;
-  for (const Instance& instance : scene.instances) {
-    if (emits(scene.materials[material_of(scene, instance)])) return false;
-  }
-  const Extent extent = extent_of(scene);
-  // A white diffuse surface that faces the key light comes out at E/π = 1 cd/m², display white.
-  constexpr double kKey_lux = 3.14159265358979323846;
-  constexpr double kFill_lux = 0.3 * kKey_lux;
-  // Lamps far enough to light evenly, inside the surround.
-  const double distance_m = 10.0 * extent.radius_m;
-  const auto add_lamp = [&](const char* name, const Vec3d& direction, double illuminance_lux) {
-    Light lamp;
-    lamp.name = name;
-    lamp.type = LightType::Point;
-    lamp.intensity = illuminance_lux * distance_m * distance_m;
-    lamp.to_world =
-        looking_along(direction, extent.center - distance_m * glm::normalize(direction));
-    scene.lights.push_back(lamp);
-  };
-  add_lamp("default key", {-0.5, -0.8, -0.6}, kKey_lux);
-  add_lamp("default fill", {0.9, -0.2, -0.5}, kFill_lux);
-  add_default_surround(scene, extent, 3.0 * distance_m);
+bool add_default_camera(Scene& scene) {
+  if (!scene.cameras.empty()) return false;
+  scene.cameras.push_back(framing_camera(scene));
   return true;
 }
 
-bool add_default_camera(Scene& scene) {
-  if (!scene.cameras.empty()) return false;
+Camera framing_camera(const Scene& scene) {
   const Extent extent = extent_of(scene);
   Camera camera;
   camera.name = "default";
@@ -149,8 +91,7 @@ bool add_default_camera(Scene& scene) {
   const double distance_m = 1.05 * extent.radius_m / std::sin(0.5 * yfov_rad);
   const Vec3d direction = glm::normalize(Vec3d(-0.35, -0.3, -1.0));
   camera.to_world = looking_along(direction, extent.center - distance_m * direction);
-  scene.cameras.push_back(camera);
-  return true;
+  return camera;
 }
 
 }  // namespace abbe

@@ -305,8 +305,8 @@ struct Fog {
 
 /// All that a file says of one scene. Made by load/ or by hand; immutable while it is rendered.
 /// Domain: validate() (validation.h) passes; a renderer relies on it and checks nothing again. A
-///         scene without lights or cameras is rendered after add_default_lights() and
-///         add_default_camera().
+///         scene without cameras is rendered after add_default_camera(), one without light may get
+///         a rig (rigs.h).
 struct Scene {
   std::string name;
   RgbSpace color_space = RgbSpace::Rec709;  ///< Of colour textures; all else is linear Rec.709.
@@ -320,6 +320,8 @@ struct Scene {
   std::optional<Ambient> ambient;
   std::shared_ptr<const Environment> environment;  ///< Null: none.
   std::optional<Fog> fog;
+  bool uses_abbe =
+      false;  ///< Whether its file has an extension of ours: it can say what lights it.
   /// Whether surfaces that emit light others where their material leaves it open.
   bool emissive_light = false;
   std::optional<double> exposure_ev;  ///< Of display images; absent: what they show decides.
@@ -346,13 +348,11 @@ struct Box3d {
 Box3d bounds_of(const Scene& scene);
 Box3d bounds_of(const Scene& scene, const Instance& instance);
 
-/// The default rig, when the scene has no light, emission or ambient: a key and a fill lamp and a
-/// dim grey surround, in proportion to the bounds. Add a default camera first: the surround
-/// encloses it. Returns whether the rig was added.
-bool add_default_lights(Scene& scene);
+/// A camera that frames the bounds from the front, a little from above and from the right, so that
+/// a box shows three of its faces; of the name "default".
+Camera framing_camera(const Scene& scene);
 
-/// A camera that frames the bounds from the front, when the scene has none. Returns whether it was
-/// added.
+/// Adds it to a scene that has none. Returns whether it did.
 bool add_default_camera(Scene& scene);
 
 }  // namespace abbe

@@ -3,11 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "abbe/base/error.h"
+#include "abbe/base/file.h"
 #include "abbe/base/text.h"
+#include "abbe/load/environment.h"
 #include "abbe/load/gltf.h"
 #include "abbe/load/spectra/foreign.h"
 #include "abbe/scene/lamps.h"
@@ -15,6 +20,9 @@
 
 namespace abbe {
 namespace {
+
+// The name of a camera that frames the scene.
+constexpr const char* kFrame = "frame";
 
 std::size_t camera_index(const Scene& scene, const std::string& name) {
   if (name.empty()) return 0;
@@ -52,7 +60,62 @@ NamedSpectrum lamp_of(const std::string& id_or_tail, const Catalogue& catalogue)
   return {id, *entry.spectrum};
 }
 
+bool has_camera(const Scene& scene, const std::string& name) {
+  return std::any_of(scene.cameras.begin(), scene.cameras.end(),
+                     [&name](const Camera& camera) { return camera.name == name; });
+}
+
+// The user's own file, which may lie anywhere.
+std::shared_ptr<const Environment> environment_of(const std::filesystem::path& file, Notes& notes,
+                                                  std::string& id) {
+  auto environment = std::make_shared<Environment>();
+  environment->name = file.filename().string();
+  environment->image = read_environment_image(file, file.string(), notes);
+  constexpr std::uint64_t kLargestFile = std::uint64_t{4} << 30;
+  const std::vector<std::uint8_t> bytes = read_file(file, file.string(), kLargestFile);
+  id = fmt::format("image:{:016x}", hash_bytes(bytes.data(), bytes.size()));
+  return environment;
+}
+
+// What lights the scene, by choice or by the lack of it.
+void light_scene(const SceneChoice& choice, const Catalogue& catalogue, PreparedScene& prepared,
+                 Notes& notes) {
+  Scene& scene = prepared.scene;
+  if (!choice.environment.empty()) {
+    if (choice.rig == Rig::Studio || choice.rig == Rig::Surround) {
+      throw_usage_error("rig", rig_name(choice.rig) + " beside an `environment`", "one of the two");
+    }
+    if (scene.environment) {
+      notes.info("", in_quotes(choice.environment.filename().string()) +
+                         " takes the place of the file's environment");
+    }
+    scene.environment = environment_of(choice.environment, notes, prepared.environment_id);
+  }
+  const NamedSpectrum d65{"illuminant/D65", catalogue.illuminant("illuminant/D65")};
+  prepared.has_no_rig = choice.rig == Rig::None;
+  prepared.rig = add_rig(scene, choice.rig, prepared.camera, d65);
+  if (!prepared.rig.line.empty()) notes.info("", prepared.rig.line);
+  prepared.emissive_light = choice.emissive_light;
+  if (choice.emissive_light == LightsOthers::Auto) return;
+  scene.emissive_light = choice.emissive_light == LightsOthers::Yes;
+  for (Material& material : scene.materials) material.lights_others = choice.emissive_light;
+}
+
+const std::vector<std::string>& emissive_light_names() {
+  static const std::vector<std::string> names{"auto", "on", "off"};  // As LightsOthers has them.
+  return names;
+}
+
 }  // namespace
+
+std::string emissive_light_name(LightsOthers choice) {
+  return emissive_light_names()[static_cast<std::size_t>(choice)];
+}
+
+LightsOthers emissive_light_from_name(const std::string& name) {
+  return static_cast<LightsOthers>(check_choice(
+      "emissive_light", name, "whether what emits lights others", emissive_light_names()));
+}
 
 const Camera& PreparedScene::chosen_camera() const {
   if (camera >= scene.cameras.size()) {
@@ -64,13 +127,13 @@ const Camera& PreparedScene::chosen_camera() const {
 
 std::string PreparedScene::camera_name() const {
   const std::string& name = chosen_camera().name;
-  if (has_default_camera) return "default";
+  if (has_default_camera) return name;
   const auto count_of = [this](const std::string& text) {
     return std::count_if(scene.cameras.begin(), scene.cameras.end(),
                          [&text](const Camera& other) { return other.name == text; });
   };
-  // "default" is none of the scene's, and # begins a number.
-  const bool is_own = !name.empty() && name != "default" && name.front() != '#';
+  // These two are none of the scene's, and # begins a number.
+  const bool is_own = !name.empty() && name != "default" && name != kFrame && name.front() != '#';
   if (is_own && count_of(name) == 1) return name;
   const std::string number = std::to_string(camera);
   return (count_of(number) > 0 ? "#" : "") + number;
@@ -82,28 +145,30 @@ PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogu
   for (const Note& note : catalogue.notes().all()) notes.warn(note.where, note.text);
   PreparedScene prepared;
   prepared.scene = load_gltf(choice.file, catalogue, load, notes);
+  const bool wants_frame = choice.camera == kFrame && !has_camera(prepared.scene, kFrame);
   std::optional<std::size_t> seen_through;
-  if (!prepared.scene.cameras.empty()) {
+  if (!prepared.scene.cameras.empty() && !wants_frame) {
     seen_through = camera_index(prepared.scene, choice.camera);
   }
   place_about_local_origin(prepared.scene, seen_through);
   prepared.bounds = bounds_of(prepared.scene);
-  prepared.has_default_camera = add_default_camera(prepared.scene);
-  prepared.has_default_lights = add_default_lights(prepared.scene);
-  if (prepared.has_default_lights) {
-    notes.info(
-        "",
-        "the scene has no light of its own: lit by a default key and fill lamp in a grey surround");
-  }
+  prepared.has_default_camera = wants_frame || prepared.scene.cameras.empty();
   if (prepared.has_default_camera) {
-    notes.info("", "the scene has no camera: seen by a default one that frames it");
+    // Seen first: a name may be one of the scene's.
+    Camera framing = framing_camera(prepared.scene);
+    if (wants_frame) framing.name = kFrame;
+    notes.info("", wants_frame ? "seen by a camera that frames the scene"
+                               : "the scene has no camera: seen by a default one that frames it");
+    prepared.scene.cameras.push_back(std::move(framing));
   }
+  prepared.camera =
+      wants_frame ? prepared.scene.cameras.size() - 1 : camera_index(prepared.scene, choice.camera);
+  light_scene(choice, catalogue, prepared, notes);
   if (!choice.lamp.empty()) {
     const NamedSpectrum lamp = lamp_of(choice.lamp, catalogue);
     prepared.lamp_id = lamp.id;
     replace_lamps(prepared.scene, lamp);
   }
-  prepared.camera = camera_index(prepared.scene, choice.camera);
   return prepared;
 }
 

@@ -7,6 +7,7 @@
 
 #include "abbe/base/notes.h"
 #include "abbe/load/spectra/catalogue.h"
+#include "abbe/scene/rigs.h"
 #include "abbe/scene/scene.h"
 
 namespace abbe {
@@ -15,10 +16,20 @@ namespace abbe {
 struct SceneChoice {
   std::filesystem::path file;  ///< glTF, .gltf or .glb.
   std::string scene = {};      ///< By name; empty: the file's own.
-  /// By name, or by number from 0: `#N` where a name may be a number; empty: the first.
+  /// By name, or by number from 0: `#N` where a name may be a number; empty: the first. `frame`,
+  /// where no camera has that name: one that frames the scene, though the file has cameras.
   std::string camera = {};
   std::string lamp = {};  ///< Spectrum of the catalogue for all lamps; empty: the scene's own.
+  /// An image of light from all around, instead of what the file has; empty: the file's own.
+  std::filesystem::path environment = {};
+  Rig rig = Rig::Auto;
+  LightsOthers emissive_light = LightsOthers::Auto;  ///< Of all that emits; Auto: as the file says.
 };
+
+/// "auto", "on", "off", as the fields of SceneChoice::emissive_light are typed.
+std::string emissive_light_name(LightsOthers choice);
+/// Errors: a usage Error at `emissive_light` that lists them.
+LightsOthers emissive_light_from_name(const std::string& name);
 
 /// A scene with at least one camera and one source of light, and what was chosen for it; placed
 /// about a local origin (Scene::origin_m).
@@ -27,19 +38,24 @@ struct PreparedScene {
   std::size_t camera = 0;
   Box3d bounds;         ///< Of what the file holds, without the default rig.
   std::string lamp_id;  ///< The spectrum that all lamps were given, if they were.
-  bool has_default_lights = false;
-  bool has_default_camera = false;
+  AddedRig rig;
+  bool has_no_rig = false;  ///< By choice.
+  /// `image:HASH` of the file that SceneChoice::environment named; empty without one.
+  std::string environment_id;
+  LightsOthers emissive_light = LightsOthers::Auto;  ///< As chosen.
+  bool has_default_camera = false;                   ///< One that frames, asked for or not.
 
   /// Errors: a usage Error where `camera` is none of the scene's.
   const Camera& chosen_camera() const;
   /// By what SceneChoice::camera finds it: its name; its number where it has none of its own;
-  /// "default" where the scene has no camera.
+  /// "default" where the scene has no camera, "frame" where it was asked for.
   std::string camera_name() const;
 };
 
-/// Loads the scene, adds a default rig and a default camera where there is none, and picks the
-/// camera. What was ignored or chosen for the scene becomes notes.
-/// Errors: an input Error for the file; a usage Error for an unknown scene, camera or lamp.
+/// Loads the scene, adds a default camera where there is none and a rig as add_rig() has it, and
+/// picks the camera. What was ignored or chosen for the scene becomes notes.
+/// Errors: an input Error for a file; a usage Error for an unknown scene, camera or lamp, or for an
+///         environment beside a rig.
 PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogue, Notes& notes);
 
 /// What everything is measured by: the catalogue of spectra, the observer CIE 1931 and D65.

@@ -36,7 +36,13 @@ std::string illuminant_text(const Scene& scene) {
       names.insert(kOfColors);
     }
   }
-  if (scene.ambient && scene.ambient->luminance_cd_per_m2 > 0.0) add(scene.ambient->spectrum);
+  if (scene.environment && !scene.environment->image.band_nm.empty()) {
+    names.insert("scene");
+  } else if (scene.environment) {
+    scene.environment->spectrum ? add(*scene.environment->spectrum) : void(names.insert(kOfColors));
+  } else if (scene.ambient && scene.ambient->luminance_cd_per_m2 > 0.0) {
+    add(scene.ambient->spectrum);
+  }
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -194,6 +200,11 @@ std::optional<Recipe> recipe_of(const ExrHeader& header) {
     recipe.scene.scene = read.text("scene");
     recipe.scene.camera = read.text("camera");
     recipe.scene.lamp = read.text("lamp");
+    recipe.scene.environment = read.text("environment");
+    if (attributes.contains("abbe:rig")) recipe.scene.rig = rig_from_name(read.text("rig"));
+    if (attributes.contains("abbe:emissiveLight")) {
+      recipe.scene.emissive_light = emissive_light_from_name(read.text("emissiveLight"));
+    }
     recipe.development = {read.text("observer", ","), read.text("white"),
                           read.text("adaptation", " ")};
     if (!recipe.development.adaptation.empty()) {
@@ -232,8 +243,12 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
   out["abbe:spectraHash"] = spectra_hash(prepared.scene, development, standards);
   if (!prepared.scene.name.empty()) out["abbe:scene"] = prepared.scene.name;
   out["abbe:camera"] = prepared.camera_name();
-  if (prepared.has_default_lights) out["abbe:lights"] = std::string("default");
-
+  if (prepared.rig.rig != Rig::None) out["abbe:rig"] = rig_name(prepared.rig.rig);
+  if (prepared.has_no_rig) out["abbe:rig"] = rig_name(Rig::None);
+  if (!prepared.environment_id.empty()) out["abbe:environment"] = prepared.environment_id;
+  if (prepared.emissive_light != LightsOthers::Auto) {
+    out["abbe:emissiveLight"] = emissive_light_name(prepared.emissive_light);
+  }
   if (!prepared.lamp_id.empty()) out["abbe:lamp"] = prepared.lamp_id;
 
   add_wavelengths(settings, out);

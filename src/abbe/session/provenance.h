@@ -27,9 +27,9 @@ struct Recipe {
 
 /// What the attributes and the form of a file say: the recipe that makes it again, of whatever file
 /// the scene lies in now (its content has the hash `abbe:sceneHash`). An observer out of a .csv
-/// file has the name `csv:HASH`. Absent for files that no render has made, or that were developed
-/// anew.
-/// Errors: an input Error for settings of another version.
+/// file has the name `csv:HASH`, an environment that was chosen `image:HASH`. Absent for files that
+/// no render has made, or that were developed anew. Errors: an input Error for settings of another
+/// version.
 std::optional<Recipe> recipe_of(const ExrHeader& header);
 
 /// Attributes of a whole rendered image: everything that shapes it, and nothing else: no paths,

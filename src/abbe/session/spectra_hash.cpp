@@ -76,6 +76,7 @@ std::string spectra_hash(const Scene& scene, const DevelopmentOptions& developme
     if (material.film) hash.add_index(material.film->index_id, material.film->index);
   }
   if (scene.ambient) hash.add(scene.ambient->spectrum);
+  if (scene.environment) hash.add(scene.environment->spectrum);
   if (scene.fog) {
     const auto* albedo = std::get_if<Spectrum>(&scene.fog->albedo);
     if (albedo != nullptr) hash.add(*albedo);

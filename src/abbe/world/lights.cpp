@@ -166,10 +166,4 @@ bool may_shine_on(const Light& light, const Vec3d& center, double radius_m, cons
   return off <= light.outer_cone_rad + angle_rad + 1e-6;
 }
 
-double illuminance_lux(const Light& light, const Vec3d& place, double nearest_m) {
-  if (is_parallel(light)) return light.intensity;
-  const double distance_m = std::max(glm::distance(position_of(light), place), nearest_m);
-  return distance_m > 0.0 ? light.intensity / (distance_m * distance_m) : light.intensity;
-}
-
 }  // namespace abbe

@@ -104,8 +104,4 @@ std::vector<HalfSpace> beam_bounds(const Light& light);
 bool may_shine_on(const Light& light, const Vec3d& center, double radius_m, const Vec3d& axis,
                   double angle_rad);
 
-/// Illuminance at a place of a surface that faces the light, without range and cone. Lamps count
-/// as at least `nearest_m` away.
-double illuminance_lux(const Light& light, const Vec3d& place, double nearest_m);
-
 }  // namespace abbe

@@ -2,7 +2,7 @@
 
 #include "abbe/base/constants.h"
 #include "abbe/color/uplift/uplift.h"
-#include "abbe/world/lights.h"
+#include "abbe/scene/lamps.h"
 
 namespace abbe {
 
@@ -17,6 +17,22 @@ White scene_white(const Scene& scene, const Box3d& bounds, const Spectrum& d65,
     const double luminance = xyz_of(spectrum, observer).y;
     if (luminance > 0.0) white.lamps.emplace_back(spectrum, share * luminance);
   };
+  const auto add_environment = [&](const Environment& environment) {
+    // The mean of all directions, as many lux as it gives to what faces it.
+    const EnvironmentMean mean = mean_of(environment);
+    if (!mean.bands.empty()) {
+      const Spectrum spectrum = Spectrum::tabulated(mean.band_nm, mean.bands, OutsideTable::Zero);
+      const double luminance = xyz_of(spectrum, observer).y;
+      if (luminance > 0.0) white.lamps.emplace_back(spectrum, kPi * luminance);
+    } else if (environment.spectrum) {
+      const double luminance = luminance_of(mean.rgb_rec709);
+      if (luminance > 0.0) {
+        white.lamps.emplace_back(environment.spectrum->spectrum, kPi * luminance);
+      }
+    } else {
+      add_rgb(mean.rgb_rec709, kPi);
+    }
+  };
   for (const Light& light : scene.lights) {
     // A lamp amid the scene counts as one at its edge, not as infinitely bright.
     const double lux = illuminance_lux(light, bounds.center(), radius_m);
@@ -26,10 +42,11 @@ White scene_white(const Scene& scene, const Box3d& bounds, const Spectrum& d65,
       add_rgb(light.color_rec709, lux);
     }
   }
-  if (scene.ambient && scene.ambient->luminance_cd_per_m2 > 0.0) {
+  if (!scene.environment && scene.ambient && scene.ambient->luminance_cd_per_m2 > 0.0) {
     white.lamps.emplace_back(scene.ambient->spectrum.spectrum,
                              kPi * scene.ambient->luminance_cd_per_m2);
   }
+  if (scene.environment) add_environment(*scene.environment);
   if (!white.lamps.empty()) return white;
   for (const Material& material : scene.materials) {
     if (material.emission) {

@@ -7,6 +7,7 @@
 #include "abbe/cli/commands/commands.h"
 #include "abbe/cli/describe/describe.h"
 #include "abbe/cli/options/outputs.h"
+#include "abbe/cli/options/scene.h"
 #include "abbe/cli/options/typed.h"
 #include "abbe/cli/print/text.h"
 #include "abbe/session/prepare.h"
@@ -16,6 +17,7 @@ namespace {
 
 struct InspectArguments {
   SceneChoice choice;
+  std::string rig = "auto", emissive_light = "auto";
   bool as_json = false;
 };
 
@@ -50,7 +52,9 @@ void shorten_notes(Description& scene) {
   }
 }
 
-ExitCode run_inspect(const InspectArguments& arguments) {
+ExitCode run_inspect(InspectArguments& arguments) {
+  arguments.choice.rig = rig_from_name(arguments.rig);
+  arguments.choice.emissive_light = emissive_light_from_name(arguments.emissive_light);
   Description description;
   if (is_image(arguments.choice.file)) {
     description = describe_image(arguments.choice.file);
@@ -78,7 +82,8 @@ void add_inspect_command(CLI::App& program, ExitCode& code) {
   add_shown(command, "--scene", arguments->choice.scene, "NAME",
             "scene of the file to take (default: the file's own)");
   add_shown(command, "--camera", arguments->choice.camera, "NAME",
-            "camera to mark as chosen (default: the first)");
+            "camera to mark as chosen; frame: one that frames the scene (default: the first)");
+  add_light_options(command, arguments->choice, arguments->rig, arguments->emissive_light);
   command.add_flag("--json", arguments->as_json, "print JSON");
   command.callback([arguments, &code] { code = run_inspect(*arguments); });
 }

@@ -116,7 +116,7 @@ Description describe_scene(const PreparedScene& prepared, Notes& notes) {
   Description out;
   if (!scene.name.empty()) out["scene"] = scene.name;
   out["hash"] = scene.content_hash;
-  out["default_lights"] = prepared.has_default_lights;
+  out["rig"] = rig_name(prepared.rig.rig);
   out["default_camera"] = prepared.has_default_camera;
   out["bounds"] = describe_bounds(prepared.bounds, scene.origin_m);
 

@@ -21,12 +21,13 @@ void add_view_options(CLI::App& command, SceneOptions& options) {
             "scene of the file to take (default: the file's own)");
   add_shown(
       command, "--camera", options.choice.camera, "NAME",
-      "camera to look through, by name or by number from 0, #N where a name is a number (default: "
-      "the first)");
+      "camera to look through, by name or by number from 0, #N where a name is a number; frame: "
+      "one that frames the scene (default: the first)");
   add_shown(
       command, "--lamp", options.choice.lamp, "ID",
       "spectrum of the catalogue for all lamps of the scene, as illuminant/A; their brightness "
       "stays (default: the scene's own)");
+  add_light_options(command, options.choice, options.rig, options.emissive_light);
   add_shown(
       command, "--mode", options.mode, "MODE",
       "spectral, rgb (one index of refraction) or rgb3 (one per channel) (default: spectral)");
@@ -67,8 +68,24 @@ void add_view_options(CLI::App& command, SceneOptions& options) {
                         fmt::join(accelerator_names(), ", "), settings.accelerator));
 }
 
+void add_light_options(CLI::App& command, SceneChoice& choice, std::string& rig,
+                       std::string& emissive_light) {
+  add_shown(command, "--environment", choice.environment, "FILE",
+            "light from all around, as an equirectangular image, .exr or .hdr, of RGB or spectral "
+            "(default: the scene's own)");
+  add_shown(command, "--rig", rig, "NAME",
+            fmt::format("light that the file has not: {} (default: auto: a studio without lamps, "
+                        "a faint surround beside lamps alone)",
+                        fmt::join(rig_names(), ", ")));
+  add_shown(command, "--emissive-light", emissive_light, "HOW",
+            "whether surfaces that shine light others: auto, on, off (default: auto: as the "
+            "materials say, else where the file has no lamps)");
+}
+
 void resolve_settings(SceneOptions& options) {
   RenderSettings& settings = options.settings;
+  options.choice.rig = rig_from_name(options.rig);
+  options.choice.emissive_light = emissive_light_from_name(options.emissive_light);
   settings.mode = mode_from_name(options.mode);
   settings.uplift = uplift_from_name(options.uplift);
   settings.caustics =

@@ -17,6 +17,7 @@ struct SceneOptions {
   std::string range, lines;
   std::string caustics = "exact";
   std::string uplift = "jakob-hanika";
+  std::string rig = "auto", emissive_light = "auto";
   RenderSettings settings;  ///< The numbers; complete after resolve_settings.
 };
 
@@ -24,6 +25,10 @@ struct SceneOptions {
 void add_scene_options(CLI::App& command, SceneOptions& options);
 /// The same without the scene's file.
 void add_view_options(CLI::App& command, SceneOptions& options);
+
+/// --environment, --rig and --emissive-light, of `render` and of `inspect`.
+void add_light_options(CLI::App& command, SceneChoice& choice, std::string& rig,
+                       std::string& emissive_light);
 
 /// Turns texts into settings and checks them as far as possible without a scene: with a default
 /// size where none is given. Errors: a usage Error.

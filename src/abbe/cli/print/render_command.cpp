@@ -92,6 +92,12 @@ std::string render_command(const Recipe& recipe) {
   command.add("--caustics", settings.caustics ? "exact" : "off");
   command.add("--chain", settings.inner_reflections);
   command.add_given("--lamp", recipe.scene.lamp);
+  const std::string environment = recipe.scene.environment.string();
+  command.add_given("--environment", environment.starts_with("image:") ? "IMAGE" : environment);
+  if (recipe.scene.rig != Rig::Auto) command.add("--rig", rig_name(recipe.scene.rig));
+  if (recipe.scene.emissive_light != LightsOthers::Auto) {
+    command.add("--emissive-light", emissive_light_name(recipe.scene.emissive_light));
+  }
   command.add_given("--aov", fmt::format("{}", fmt::join(settings.aovs, ",")));
   command.add_given("--freeze", causes_text(settings.frozen));
   command.add_given("--white", recipe.development.white);

@@ -83,6 +83,10 @@ Recipe golden_recipe(const fs::path& reference) {
     throw_input_error(reference.string(), "an observer out of a file of its own",
                       "an observer of the catalogue, which every check finds");
   }
+  if (!recipe->scene.environment.empty()) {
+    throw_input_error(reference.string(), "an environment out of a file of its own",
+                      "the environment of the scene, which every check finds");
+  }
   return *recipe;
 }
 
@@ -97,6 +101,10 @@ std::string render_golden(const Recipe& recipe, const PreparedScene& prepared,
                           const Standards& standards, const fs::path& reference,
                           const CompareThresholds& thresholds, const CancelFlag* cancel) {
   check_golden_choice(recipe.development);
+  if (!recipe.scene.environment.empty()) {
+    throw_usage_error("environment", in_quotes(recipe.scene.environment.string()),
+                      "the environment of the scene (ABBE_scene), which every check finds");
+  }
   const fs::path fresh = reference.parent_path() / ("." + reference.stem().string() + ".new.exr");
   Notes notes;
   if (!render_file(recipe, prepared, standards, fresh, notes, cancel)) {

@@ -17,8 +17,7 @@ TextureImage row_of(const std::vector<std::uint8_t>& codes) {
   TextureImage image;
   image.width = static_cast<int>(codes.size());
   image.height = 1;
-  for (const std::uint8_t code : codes)
-    image.rgba8.insert(image.rgba8.end(), {code, code, code, 255});
+  for (const std::uint8_t code : codes) image.rgba8.append({code, code, code, 255});
   return image;
 }
 
@@ -90,9 +89,34 @@ TEST(WorldTexture, wide_footprint_sees_the_mean_of_any_size) {
       mean += i * 17 / 255.0 / size;
     }
     const WorldTexture texture(row_of(codes), {}, TextureEncoding::Data);
-    // Odd sizes are halved unevenly: within 5 % of full scale.
-    EXPECT_NEAR(red_at(texture, 0.3f, 100.0f), mean, size == 8 ? 1e-6 : 0.05) << size;
+    // Three levels, each rounded to 16 bits, are off by 2^-17 each. Odd sizes are halved unevenly:
+    // within 5 % of full scale.
+    EXPECT_NEAR(red_at(texture, 0.3f, 100.0f), mean, size == 8 ? 3.0 * 0x1p-17 : 0.05) << size;
   }
+}
+
+TEST(WorldTexture, codes_are_shared_with_the_scene_and_mipmaps_take_half_as_much) {
+  std::vector<std::uint8_t> codes(std::size_t{4} * 64 * 64);
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    codes[i] = i % 4 == 3 ? 255 : static_cast<std::uint8_t>(i * 31 % 251);
+  }
+  TextureImage image;
+  image.width = image.height = 64;
+  image.rgba8 = codes;
+  const WorldTexture texture(image, {}, TextureEncoding::Srgb);
+  // Four bytes a texel, and six for each of the 4095 / 3 of smaller levels of an opaque image.
+  EXPECT_EQ(texture.bytes(), 64u * 64 * 4 + 1365u * 6);
+  const TextureImage copy = image;
+  EXPECT_EQ(copy.rgba8.data(), image.rgba8.data());
+}
+
+TEST(WorldTexture, image_of_one_color_takes_one_texel) {
+  TextureImage image;
+  image.width = image.height = 256;
+  image.rgba8 = std::vector<std::uint8_t>(std::size_t{4} * 256 * 256, std::uint8_t{51});
+  const WorldTexture texture(image, {}, TextureEncoding::Data);
+  EXPECT_EQ(texture.bytes(), 4u);
+  EXPECT_EQ(texture.value({0.7f, 0.2f}, 0.1f), Vec4f(0.2f));
 }
 
 TEST(WorldTexture, senseless_coordinates_give_a_texel) {

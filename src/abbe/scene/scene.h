@@ -15,6 +15,7 @@
 #include <variant>
 #include <vector>
 
+#include "abbe/base/shared_values.h"
 #include "abbe/color/rgb_space.h"
 #include "abbe/math/ray.h"
 #include "abbe/math/vec.h"
@@ -50,8 +51,8 @@ struct TextureImage {
   std::string name;
   int width = 0;
   int height = 0;
-  std::vector<std::uint8_t> rgba8;  ///< width·height·4 values, or empty
-  std::vector<float> rgba_float;    ///< width·height·4 values, or empty
+  SharedValues<std::uint8_t> rgba8;  ///< width·height·4 values, or empty
+  SharedValues<float> rgba_float;    ///< width·height·4 values, or empty
 };
 
 /// An image with the rules of looking it up. What its values mean (sRGB-encoded colour, direction,

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <map>
+#include <memory>
+#include <tuple>
 #include <utility>
 
 #include "abbe/base/constants.h"
@@ -84,7 +86,14 @@ class Tabulator {
         texture_number_.try_emplace({source->texture, encoding}, textures_.size());
     if (is_new) {
       const Texture& texture = scene_.textures[source->texture];
-      textures_.emplace_back(scene_.images[texture.image], texture, encoding, scene_.color_space);
+      const bool has_mipmaps = texture.filter == TextureFilter::Linear;
+      std::shared_ptr<const TexturePyramid>& pyramid =
+          pyramids_[{texture.image, encoding, has_mipmaps}];
+      if (!pyramid) {
+        pyramid = std::make_shared<const TexturePyramid>(scene_.images[texture.image], encoding,
+                                                         has_mipmaps);
+      }
+      textures_.emplace_back(pyramid, texture, encoding, scene_.color_space);
     }
     TextureUse result = *source;
     result.texture = static_cast<std::uint32_t>(found->second);
@@ -140,6 +149,9 @@ class Tabulator {
                       : lanes_.emission(RgbRec709{Vec3d(material.emissive_rec709)}));
   }
 
+  // By image, encoding and whether there are mipmaps: textures that differ in wrapping share.
+  std::map<std::tuple<std::uint32_t, TextureEncoding, bool>, std::shared_ptr<const TexturePyramid>>
+      pyramids_;
   const Scene& scene_;
   const LaneModel& lanes_;
   Rows& rows_;

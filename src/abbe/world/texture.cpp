@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "abbe/color/color.h"
 
@@ -37,35 +38,57 @@ int wrapped_index(int i, int size, TextureWrap wrap) {
 
 }  // namespace
 
-WorldTexture::WorldTexture(const TextureImage& image, const Texture& texture,
-                           TextureEncoding encoding, RgbSpace space)
-    : wrap_s_(texture.wrap_s), wrap_t_(texture.wrap_t), filter_(texture.filter) {
-  static const std::array<float, 256> kDecoded = srgb_decode_table();
+TexturePyramid::TexturePyramid(const TextureImage& image, TextureEncoding encoding,
+                               bool has_mipmaps)
+    : encoding_(encoding), codes_(image.rgba8) {
+  Level base{image.width, image.height, 0};
   const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
-  texels_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    for (int c = 0; c < 4; ++c) {
-      const bool decode = encoding == TextureEncoding::Srgb && c < 3;
-      if (!image.rgba8.empty()) {
-        const std::uint8_t code = image.rgba8[4 * i + c];
-        texels_[i][c] = decode ? kDecoded[code] : static_cast<float>(code) / 255.0f;
-      } else {
-        const float code = image.rgba_float[4 * i + c];
-        texels_[i][c] = decode ? static_cast<float>(srgb_decode(code)) : code;
+  if (!codes_.empty()) {
+    is_opaque_ = true;
+    bool is_uniform = true;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint8_t* const texel = codes_.data() + 4 * i;
+      is_opaque_ = is_opaque_ && texel[3] == 255;
+      is_uniform = is_uniform && std::equal(texel, texel + 4, codes_.data());
+    }
+    // One texel shows the same.
+    if (is_uniform) {
+      base = {1, 1, 0};
+      codes_ = SharedValues<std::uint8_t>{codes_[0], codes_[1], codes_[2], codes_[3]};
+    }
+  } else {
+    floats_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      for (int c = 0; c < 4; ++c) {
+        const float code = image.rgba_float[4 * i + static_cast<std::size_t>(c)];
+        const bool decode = encoding == TextureEncoding::Srgb && c < 3;
+        floats_[i][c] = decode ? static_cast<float>(srgb_decode(code)) : code;
       }
     }
   }
-  if (encoding == TextureEncoding::Srgb && space != RgbSpace::Rec709) {
-    const glm::mat3 to_rec709(rgb_to_rec709(space));
-    for (Vec4f& texel : texels_) texel = Vec4f(to_rec709 * Vec3f(texel), texel.w);
+  levels_.push_back(base);
+  if (!has_mipmaps) return;
+  if (codes_.empty()) {
+    add_mipmaps([&](const Vec4f& mean) { floats_.push_back(mean); });
+    return;
   }
-  levels_.push_back({image.width, image.height, 0});
-  while (filter_ == TextureFilter::Linear &&
-         (levels_.back().width > 1 || levels_.back().height > 1)) {
+  mipmaps_.reserve((count / 3 + 64) * (is_opaque_ ? 3u : 4u));
+  add_mipmaps([&](const Vec4f& mean) {
+    for (int c = 0; c < (is_opaque_ ? 3 : 4); ++c) {
+      mipmaps_.push_back(static_cast<std::uint16_t>(mean[c] * 65535.0f + 0.5f));
+    }
+  });
+  mipmaps_.shrink_to_fit();
+}
+
+// Each texel is the mean of the texels it covers, so that odd sizes keep their mean, too.
+template <class Store>
+void TexturePyramid::add_mipmaps(const Store& store) {
+  std::size_t offset = codes_.empty() ? floats_.size() : 0;
+  while (levels_.back().width > 1 || levels_.back().height > 1) {
     const Level above = levels_.back();
-    const Level level{std::max(1, above.width / 2), std::max(1, above.height / 2), texels_.size()};
-    texels_.resize(level.offset + static_cast<std::size_t>(level.width) * level.height);
-    // Each texel is the mean of the texels it covers, so that odd sizes keep their mean, too.
+    const Level level{std::max(1, above.width / 2), std::max(1, above.height / 2), offset, true};
+    offset += static_cast<std::size_t>(level.width) * level.height;
     for (int y = 0; y < level.height; ++y) {
       const int y0 = y * above.height / level.height;
       const int y1 = std::max(y0 + 1, (y + 1) * above.height / level.height);
@@ -76,16 +99,47 @@ WorldTexture::WorldTexture(const TextureImage& image, const Texture& texture,
         for (int v = y0; v < y1; ++v) {
           for (int u = x0; u < x1; ++u) sum += texel(above, u, v);
         }
-        texels_[level.offset + static_cast<std::size_t>(y) * level.width + x] =
-            sum / static_cast<float>((x1 - x0) * (y1 - y0));
+        store(sum / static_cast<float>((x1 - x0) * (y1 - y0)));
       }
     }
     levels_.push_back(level);
   }
 }
 
-const Vec4f& WorldTexture::texel(const Level& level, int x, int y) const {
-  return texels_[level.offset + static_cast<std::size_t>(y) * level.width + x];
+Vec4f TexturePyramid::texel(const Level& level, int x, int y) const {
+  static const std::array<float, 256> kDecoded = srgb_decode_table();
+  const std::size_t number = level.offset + static_cast<std::size_t>(y) * level.width + x;
+  if (codes_.empty()) return floats_[number];
+  if (level.is_mipmap) {
+    const std::uint16_t* const value = mipmaps_.data() + (is_opaque_ ? 3 : 4) * number;
+    const auto share = [&](int c) { return static_cast<float>(value[c]) / 65535.0f; };
+    return {share(0), share(1), share(2), is_opaque_ ? 1.0f : share(3)};
+  }
+  const std::uint8_t* const code = codes_.data() + 4 * number;
+  const auto plain = [&](int c) { return static_cast<float>(code[c]) / 255.0f; };
+  if (encoding_ == TextureEncoding::Data) return {plain(0), plain(1), plain(2), plain(3)};
+  return {kDecoded[code[0]], kDecoded[code[1]], kDecoded[code[2]], plain(3)};
+}
+
+std::size_t TexturePyramid::bytes() const {
+  return codes_.size() + mipmaps_.size() * sizeof(std::uint16_t) + floats_.size() * sizeof(Vec4f);
+}
+
+WorldTexture::WorldTexture(const TextureImage& image, const Texture& texture,
+                           TextureEncoding encoding, RgbSpace space)
+    : WorldTexture(std::make_shared<const TexturePyramid>(image, encoding,
+                                                          texture.filter == TextureFilter::Linear),
+                   texture, encoding, space) {}
+
+WorldTexture::WorldTexture(std::shared_ptr<const TexturePyramid> pyramid, const Texture& texture,
+                           TextureEncoding encoding, RgbSpace space)
+    : pyramid_(std::move(pyramid)),
+      wrap_s_(texture.wrap_s),
+      wrap_t_(texture.wrap_t),
+      filter_(texture.filter) {
+  if (encoding == TextureEncoding::Srgb && space != RgbSpace::Rec709) {
+    to_rec709_ = glm::mat3(rgb_to_rec709(space));
+  }
 }
 
 Vec4f WorldTexture::bilinear(const Level& level, const Vec2f& uv) const {
@@ -99,34 +153,40 @@ Vec4f WorldTexture::bilinear(const Level& level, const Vec2f& uv) const {
   const int xb = wrapped_index(x0 + 1, level.width, wrap_s_);
   const int ya = wrapped_index(y0, level.height, wrap_t_);
   const int yb = wrapped_index(y0 + 1, level.height, wrap_t_);
-  const Vec4f& aa = texel(level, xa, ya);
-  const Vec4f& ba = texel(level, xb, ya);
-  const Vec4f& ab = texel(level, xa, yb);
-  const Vec4f& bb = texel(level, xb, yb);
+  const Vec4f aa = pyramid_->texel(level, xa, ya);
+  const Vec4f ba = pyramid_->texel(level, xb, ya);
+  const Vec4f ab = pyramid_->texel(level, xa, yb);
+  const Vec4f bb = pyramid_->texel(level, xb, yb);
   // Exactly that value where all have it: what is flat stays flat, and has one spectrum.
   if (aa == ba && aa == ab && aa == bb) return aa;
   return (1.0f - fy) * ((1.0f - fx) * aa + fx * ba) + fy * ((1.0f - fx) * ab + fx * bb);
 }
 
 Vec4f WorldTexture::value(const Vec2f& uv, float footprint_uv) const {
+  const Vec4f value = filtered(uv, footprint_uv);
+  return to_rec709_ ? Vec4f(*to_rec709_ * Vec3f(value), value.w) : value;
+}
+
+Vec4f WorldTexture::filtered(const Vec2f& uv, float footprint_uv) const {
+  const std::vector<Level>& levels = pyramid_->levels();
   // Beyond 2^20 a float has no place left for a texel; such coordinates are mistakes.
   const auto sane = [](float x) { return std::abs(x) < 1048576.0f ? x : 0.0f; };
   const Vec2f at{wrapped(sane(uv.x), wrap_s_), wrapped(sane(uv.y), wrap_t_)};
-  const Level& base = levels_.front();
+  const Level& base = levels.front();
   if (filter_ == TextureFilter::Nearest) {
     const int x = std::min(static_cast<int>(at.x * static_cast<float>(base.width)), base.width - 1);
     const int y =
         std::min(static_cast<int>(at.y * static_cast<float>(base.height)), base.height - 1);
-    return texel(base, x, y);
+    return pyramid_->texel(base, x, y);
   }
   const float texels_wide = footprint_uv * static_cast<float>(std::max(base.width, base.height));
   if (!(texels_wide > 1.0f)) return bilinear(base, at);
-  const float lod = std::min(std::log2(texels_wide), static_cast<float>(levels_.size() - 1));
+  const float lod = std::min(std::log2(texels_wide), static_cast<float>(levels.size() - 1));
   const std::size_t lower = static_cast<std::size_t>(lod);
   const float f = lod - static_cast<float>(lower);
-  const Vec4f fine = bilinear(levels_[lower], at);
-  if (f == 0.0f || lower + 1 >= levels_.size()) return fine;
-  const Vec4f coarse = bilinear(levels_[lower + 1], at);
+  const Vec4f fine = bilinear(levels[lower], at);
+  if (f == 0.0f || lower + 1 >= levels.size()) return fine;
+  const Vec4f coarse = bilinear(levels[lower + 1], at);
   return fine == coarse ? fine : (1.0f - f) * fine + f * coarse;
 }
 

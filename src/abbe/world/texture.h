@@ -1,7 +1,10 @@
 /// Textures ready for look-up: linear, with mipmaps.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "abbe/math/vec.h"
@@ -15,7 +18,38 @@ enum class TextureEncoding : std::uint8_t {
   Data,  ///< Plain numbers.
 };
 
-/// A mipmapped texture of four float channels.
+/// An image's texels, at its own size and at halves of it down to one. Images of 8 bits keep their
+/// codes, in memory that they share with the scene; their smaller levels are linear, of 16 bits: a
+/// mean of texels is off by at most 2^-17 a level. Others are linear floats.
+class TexturePyramid {
+ public:
+  struct Level {
+    int width = 0, height = 0;
+    std::size_t offset = 0;  ///< Of its first texel among those stored alike.
+    bool is_mipmap = false;
+  };
+
+  TexturePyramid(const TextureImage& image, TextureEncoding encoding, bool has_mipmaps);
+
+  const std::vector<Level>& levels() const { return levels_; }
+  /// Channels in [0, 1], linear.
+  Vec4f texel(const Level& level, int x, int y) const;
+  /// Memory held, that shared with the scene included.
+  std::size_t bytes() const;
+
+ private:
+  template <class Store>
+  void add_mipmaps(const Store& store);
+
+  std::vector<Level> levels_;
+  TextureEncoding encoding_;
+  SharedValues<std::uint8_t> codes_;  // Of the first level, if it has codes; else it is in floats_.
+  bool is_opaque_ = false;            // Alpha is 1 everywhere: mipmaps_ has three values a texel.
+  std::vector<std::uint16_t> mipmaps_;
+  std::vector<Vec4f> floats_;
+};
+
+/// A texture, mipmapped where it is filtered.
 /// Colours are filtered as linear RGB and uplifted after filtering: a mix of two texels is then the
 /// same colour in all modes.
 class WorldTexture {
@@ -23,25 +57,25 @@ class WorldTexture {
   /// Colours are those of `space`; beyond Rec.709 they have channels outside [0, 1].
   WorldTexture(const TextureImage& image, const Texture& texture, TextureEncoding encoding,
                RgbSpace space = RgbSpace::Rec709);
+  /// Of a pyramid that others may share, made for the encoding.
+  WorldTexture(std::shared_ptr<const TexturePyramid> pyramid, const Texture& texture,
+               TextureEncoding encoding, RgbSpace space);
 
   /// Trilinear (or nearest) look-up. `footprint_uv` is the width of what is seen, in units of uv.
   /// Domain: any uv; not-a-number counts as 0.
   Vec4f value(const Vec2f& uv, float footprint_uv) const;
 
-  std::size_t bytes() const { return texels_.size() * sizeof(Vec4f); }
+  std::size_t bytes() const { return pyramid_->bytes(); }
 
  private:
-  struct Level {
-    int width = 0, height = 0;
-    std::size_t offset = 0;
-  };
+  using Level = TexturePyramid::Level;
+  Vec4f filtered(const Vec2f& uv, float footprint_uv) const;
   Vec4f bilinear(const Level& level, const Vec2f& uv) const;
-  const Vec4f& texel(const Level& level, int x, int y) const;
 
-  std::vector<Level> levels_;
-  std::vector<Vec4f> texels_;
+  std::shared_ptr<const TexturePyramid> pyramid_;
   TextureWrap wrap_s_, wrap_t_;
   TextureFilter filter_;
+  std::optional<glm::mat3> to_rec709_;  // Of colours of another space.
 };
 
 /// uv' = linear·uv + offset of a texture use.

@@ -1,6 +1,7 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "abbe/base/error.h"
@@ -31,21 +32,14 @@ std::string size_of(const OIIO::ImageSpec& spec) {
 
 // One to four channels as R, G, B, A: grey is repeated, missing alpha is 1.
 template <typename T>
-std::vector<T> as_rgba(const std::vector<T>& values, std::size_t channels, T opaque) {
-  if (channels == 4) return values;
-  const std::size_t pixels = values.size() / channels;
+void to_rgba(const T* in, std::size_t pixels, std::size_t channels, T opaque, T* out) {
   const bool is_grey = channels < 3;
-  const bool has_alpha = channels == 2;
-  std::vector<T> rgba(pixels * 4);
-  for (std::size_t p = 0; p < pixels; ++p) {
-    const T* in = values.data() + p * channels;
-    T* out = rgba.data() + p * 4;
+  for (std::size_t p = 0; p < pixels; ++p, in += channels, out += 4) {
     out[0] = in[0];
     out[1] = in[is_grey ? 0 : 1];
     out[2] = in[is_grey ? 0 : 2];
-    out[3] = has_alpha ? in[1] : opaque;
+    out[3] = channels == 4 ? in[3] : channels == 2 ? in[1] : opaque;
   }
-  return rgba;
 }
 
 [[noreturn]] void reject_raster(const std::filesystem::path& file, const std::string& found) {
@@ -98,11 +92,22 @@ DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::st
   texture.width = spec.width;
   texture.height = spec.height;
   const auto channels = static_cast<std::size_t>(spec.nchannels);
-  const std::size_t values = static_cast<std::size_t>(spec.width) * spec.height * channels;
+  // Strip by strip: the pixels as they are in the file are not held beside those that are kept.
+  constexpr int kStripRows = 64;
   const auto decode = [&](OIIO::TypeDesc type, auto opaque) {
-    std::vector<decltype(opaque)> decoded(values);
-    if (!input->read_image(0, 0, 0, spec.nchannels, type, decoded.data())) decoding_failed();
-    return as_rgba(decoded, channels, opaque);
+    using Value = decltype(opaque);
+    const auto width = static_cast<std::size_t>(spec.width);
+    std::vector<Value> rgba(4 * width * static_cast<std::size_t>(spec.height));
+    std::vector<Value> strip(width * kStripRows * channels);
+    for (int row = 0; row < spec.height; row += kStripRows) {
+      const int end = std::min(row + kStripRows, spec.height);
+      if (!input->read_scanlines(0, 0, row, end, 0, 0, spec.nchannels, type, strip.data())) {
+        decoding_failed();
+      }
+      to_rgba(strip.data(), width * static_cast<std::size_t>(end - row), channels, opaque,
+              rgba.data() + 4 * width * static_cast<std::size_t>(row));
+    }
+    return rgba;
   };
   if (spec.format == OIIO::TypeDesc::UINT8) {
     texture.rgba8 = decode(OIIO::TypeDesc::UINT8, std::uint8_t{255});

@@ -1,0 +1,52 @@
+/// A vector whose copies share its memory until one of them changes.
+#pragma once
+
+#include <cstddef>
+#include <initializer_list>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace abbe {
+
+/// Values that are many and seldom change: pixels. Reads are those of std::vector; what changes a
+/// copy that others share gives it memory of its own first.
+template <typename T>
+class SharedValues {
+ public:
+  using value_type = T;
+  using const_iterator = const T*;
+  using iterator = const_iterator;
+
+  SharedValues() = default;
+  SharedValues(std::vector<T> values)
+      : values_(std::make_shared<std::vector<T>>(std::move(values))) {}
+  SharedValues(std::initializer_list<T> values) : SharedValues(std::vector<T>(values)) {}
+
+  std::size_t size() const { return values_ ? values_->size() : 0; }
+  bool empty() const { return size() == 0; }
+  const T* data() const { return values_ ? values_->data() : nullptr; }
+  const T* begin() const { return data(); }
+  const T* end() const { return data() + size(); }
+  const T& operator[](std::size_t i) const { return data()[i]; }
+
+  void push_back(T value) { own().push_back(value); }
+  void append(std::initializer_list<T> values) {
+    std::vector<T>& to = own();
+    to.insert(to.end(), values);
+  }
+
+ private:
+  std::vector<T>& own() {
+    if (!values_) {
+      values_ = std::make_shared<std::vector<T>>();
+    } else if (values_.use_count() > 1) {
+      values_ = std::make_shared<std::vector<T>>(*values_);
+    }
+    return *values_;
+  }
+
+  std::shared_ptr<std::vector<T>> values_;
+};
+
+}  // namespace abbe

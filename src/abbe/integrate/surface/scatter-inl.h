@@ -132,7 +132,7 @@ HWY_INLINE VecOf<D> SampledDensity(D d, const ShadedSurface& surface, int i,
   LaneArray cosine, density;
   hn::Store(Dot3(d, normal, direction), d, cosine.v);
   for (int k = 0; k < static_cast<int>(hn::Lanes(d)); ++k) {
-    density[k] = MicrofacetLoss::table().density(cosine[k], rebound.drawn_alpha);
+    density[k] = cosine[k] * MicrofacetLoss::table().density(cosine[k], rebound.drawn_alpha);
   }
   const auto often = hn::Mul(hn::Load(d, density.v), hn::Set(d, static_cast<float>(1.0 / kPi)));
   const auto chance = hn::Set(d, rebound.chance);

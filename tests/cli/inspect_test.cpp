@@ -38,7 +38,7 @@ TEST_F(InspectTest, formula_beyond_its_range_and_rough_surface_are_noted) {
   const json scene = parsed({"inspect", "scene.gltf", "--json"});
   const std::string notes = scene.at("notes").dump();
   EXPECT_THAT(notes, HasSubstr("stated for 370-2500 nm; extrapolated at 360-370 nm"));
-  EXPECT_THAT(notes, HasSubstr("no blurred reflection"));
+  EXPECT_THAT(notes, HasSubstr("a blurred reflection of what is around it only where"));
   EXPECT_THAT(notes, HasSubstr("material red"));
 }
 

@@ -182,6 +182,17 @@ TEST_F(RenderTest, exposure_changes_the_picture_and_not_the_exr) {
   EXPECT_NE(bytes("a.png"), bytes("b.png"));
 }
 
+TEST_F(RenderTest, exposure_of_a_crop_is_that_of_the_whole_image_and_written) {
+  const Outcome whole = render({"-o", "a.exr", "-o", "a.png"});
+  EXPECT_THAT(whole.err, HasSubstr("abbe: note: shown at "));
+  render({"-o", "b.exr", "--crop", "0,0,4,4"});
+  const auto ev = attribute<float>(read_exr_header(file("a.exr")), "abbe:exposure");
+  EXPECT_EQ(attribute<float>(read_exr_header(file("b.exr")), "abbe:exposure"), ev);
+  // What the EXR says is how `display` shows it.
+  EXPECT_EQ(abbe({"display", "a.exr", "-o", "c.png"}).exit_code, 0);
+  EXPECT_EQ(bytes("a.png"), bytes("c.png"));
+}
+
 TEST_F(RenderTest, default_rig_and_camera_are_a_line_each) {
   write("dark.gltf", dark_scene());
   const Outcome run = abbe({"render", "dark.gltf", "-o", "a.exr", "--size", "16x9", "--spp", "1"});

@@ -97,17 +97,27 @@ TEST_F(Display, exposure_doubles_light_per_ev) {
   EXPECT_THAT(to_display(pixel(0.25f, 0.5f, 1.0f), options).pixels, ElementsAre(1.0f, 2.0f, 4.0f));
 }
 
-TEST_F(Display, auto_exposure_puts_the_log_mean_of_what_is_lit_at_middle_grey) {
+TEST_F(Display, auto_exposure_puts_bright_things_near_white_about_middle_grey) {
   Image image = pixel(0.0f, 0.0f, 0.0f);
   image.width = 4;
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  // 0.09 and 0.36 have the geometric mean 0.18; black and broken pixels do not count.
+  // 0.045 and 0.18 have the geometric mean 0.09; black and broken pixels do not count. The mean
+  // comes to 0.75 EV above 0.18, before the brighter of two reaches white.
   image.pixels = {0.045f, 0.045f, 0.045f, 0.18f, 0.18f, 0.18f, 0, 0, 0, nan, 1, 1};
-  EXPECT_NEAR(auto_exposure_ev(image), 1.0, 1e-6);  // float rounding of the values
+  EXPECT_NEAR(auto_exposure_ev(image), 1.75, 1e-6);  // float rounding of the values
   DisplayOptions options = options_for(kRec709, kSrgb, "Raw");
   options.auto_exposure = true;
   options.exposure_ev = 99.0;
-  EXPECT_NEAR(to_display(image, options).pixels[3], 0.36f, 1e-6f);  // float rounding
+  EXPECT_NEAR(to_display(image, options).pixels[3], 0.18f * std::exp2(1.75f), 1e-6f);  // the same
+  // Grey with a little white: white stays where it is, below display white.
+  image.width = 100;
+  image.pixels.assign(300, 0.2f);
+  std::fill(image.pixels.begin(), image.pixels.begin() + 30, 0.95f);
+  EXPECT_NEAR(auto_exposure_ev(image), 0.0, 1e-6);
+  // A lamp in the dark is not worth a black image: 2 EV below middle grey is the least.
+  std::fill(image.pixels.begin(), image.pixels.begin() + 30, 1000.0f);
+  const double mean = 0.9 * std::log2(0.2) + 0.1 * std::log2(1000.0);
+  EXPECT_NEAR(auto_exposure_ev(image), std::log2(0.18) - mean - 2.0, 1e-6);
   EXPECT_EQ(auto_exposure_ev(pixel(0.0f, 0.0f, 0.0f)), 0.0);
 }
 

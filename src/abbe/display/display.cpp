@@ -21,6 +21,9 @@ namespace abbe {
 namespace {
 
 constexpr double kMiddleGrey = 0.18;
+// Auto exposure: where bright things go, and how far the mean may come from middle grey for it.
+constexpr double kNearWhite = 0.95;
+constexpr double kDarkerThanGrey_ev = 2.0, kBrighterThanGrey_ev = 0.75;
 
 // Beyond this the matrices and curves of a view overflow to NaN; no display shows a difference.
 constexpr float kLargestValue = 1e9f;
@@ -256,23 +259,22 @@ double auto_exposure_ev(const Image& scene_linear) {
     return 0.2126 * p[rgb[0]] + 0.7152 * p[rgb[1]] + 0.0722 * p[rgb[2]];
   };
   const std::size_t pixels = channels == 0 ? 0 : scene_linear.pixels.size() / channels;
-  double brightest = 0.0;
+  std::vector<double> lit;
   for (std::size_t i = 0; i < pixels; ++i) {
     const double Y = luminance(i);
-    if (std::isfinite(Y)) brightest = std::max(brightest, Y);
+    if (std::isfinite(Y) && Y > 0.0) lit.push_back(Y);
   }
+  std::sort(lit.begin(), lit.end());
   // What is black beside the rest has no logarithm to speak of: it must not drag the mean down.
-  const double black = 1e-6 * brightest;
+  const double black = lit.empty() ? 0.0 : 1e-6 * lit.back();
+  lit.erase(lit.begin(), std::upper_bound(lit.begin(), lit.end(), black));
+  if (lit.empty()) return 0.0;
   double sum = 0.0;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < pixels; ++i) {
-    const double Y = luminance(i);
-    if (!std::isfinite(Y) || Y <= black) continue;
-    sum += std::log2(Y);
-    ++count;
-  }
-  if (count == 0) return 0.0;
-  return std::log2(kMiddleGrey) - sum / static_cast<double>(count);
+  for (const double Y : lit) sum += std::log2(Y);
+  const double grey_ev = std::log2(kMiddleGrey) - sum / static_cast<double>(lit.size());
+  const std::size_t bright = (98 * (lit.size() - 1)) / 100;
+  const double white_ev = std::log2(kNearWhite / lit[bright]);
+  return std::clamp(white_ev, grey_ev - kDarkerThanGrey_ev, grey_ev + kBrighterThanGrey_ev);
 }
 
 }  // namespace abbe

@@ -17,7 +17,7 @@ struct DisplayOptions {
   std::string view = "ACES 1.0 - SDR Video";
   std::string source_space = "Linear Rec.709 (sRGB)";
   double exposure_ev = 0.0;
-  bool auto_exposure = false;  ///< Ignore exposure_ev; put the log-average luminance at 0.18.
+  bool auto_exposure = false;  ///< Ignore exposure_ev; use auto_exposure_ev().
 };
 
 /// The R, G, B of a scene-linear image as display-encoded RGB in [0, 1]-ish floats (not clamped).
@@ -38,7 +38,10 @@ std::vector<std::string> scene_linear_spaces(const DisplayOptions& options);
 /// Errors: as to_display.
 std::vector<bool> outside_gamut(const Image& scene_linear, const DisplayOptions& options);
 
-/// The exposure in EV that auto exposure chooses for an image.
+/// The exposure in EV that auto exposure chooses for an image: what is brighter than 98 % of all
+/// that is lit comes to 0.95, just below display white, as long as the log-average luminance of
+/// what is lit lies between 2 EV below middle grey, 0.18, and 0.75 EV above it. Luminance at or
+/// below 1e-6 of the brightest counts as black; of an image that is black throughout it is 0.
 double auto_exposure_ev(const Image& scene_linear);
 
 }  // namespace abbe

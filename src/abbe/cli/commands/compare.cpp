@@ -212,12 +212,17 @@ ExitCode run_compare(CompareArguments& arguments) {
                .seconds = earlier_seconds(folder / "stats.json"),
                .watcher = line.watcher()});
   const DisplayOptions& display = arguments.display.options;
+  std::optional<double> exposure_ev = prepared.scene.exposure_ev;
+  if (display.auto_exposure) exposure_ev.reset();
+  if (!display.auto_exposure && !arguments.display.exposure.empty()) {
+    exposure_ev = display.exposure_ev;
+  }
   std::optional<ModesCompared> compared = compare_modes(
       study,
       {.settings = settings,
        .method = arguments.shapley ? AttributionMethod::Shapley : AttributionMethod::FirstAndLast,
        .sweeps = sweeps,
-       .exposure_ev = display.auto_exposure ? std::nullopt : std::optional(display.exposure_ev)});
+       .exposure_ev = exposure_ev});
   if (!compared) return ExitCode::Interrupted;
   const CompareResult result{std::move(*compared),
                              arguments.scene.choice.file.stem().string(),

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <set>
+#include <variant>
 
 #include "abbe/base/error.h"
 #include "abbe/base/file.h"
@@ -23,6 +24,7 @@
 #include "abbe/image/raster/raster.h"
 #include "abbe/session/color_spaces.h"
 #include "abbe/session/development.h"
+#include "abbe/session/exposure.h"
 
 namespace abbe {
 namespace {
@@ -186,6 +188,15 @@ ExitCode run_display(DisplayCommand& arguments) {
   }
   check_outputs({arguments.outputs.begin(), arguments.outputs.end()});
   Image image = read_exr(arguments.input);
+  if (arguments.display.exposure.empty()) {
+    // An EXR of abbe's says at which EV it is to be shown; any other is shown as it is.
+    const auto stated = image.attributes.find(kExposureAttribute);
+    if (stated != image.attributes.end()) {
+      if (const auto* ev = std::get_if<float>(&stated->second)) {
+        arguments.display.options.exposure_ev = *ev;
+      }
+    }
+  }
   ColorImage colors;
   if (develop_again(arguments, image)) {
     const ExrOptions exr{.chromaticities = chromaticities_of(kRenderSpace)};

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "abbe/base/file.h"
@@ -21,6 +22,7 @@
 #include "abbe/cli/print/progress.h"
 #include "abbe/cli/print/stats.h"
 #include "abbe/image/raster/raster.h"
+#include "abbe/session/exposure.h"
 #include "abbe/session/picture.h"
 
 namespace abbe {
@@ -43,6 +45,31 @@ void write_images(const RenderArguments& arguments, Image image) {
   if (!exrs.empty()) {
     write_exrs_in(arguments.color_space, exrs, std::move(image), arguments.exr, display);
   }
+}
+
+// Settles how display images are exposed. Returns the EV that belongs to the scene: what it states,
+// else what a look at the whole image says.
+double settle_exposure(RenderArguments& arguments, const PreparedScene& prepared,
+                       const LitWorld& world, const Console& console) {
+  DisplayOptions& display = arguments.display.options;
+  const std::optional<double> stated = prepared.scene.exposure_ev;
+  std::optional<double> metered;
+  if (!stated || display.auto_exposure) {
+    metered = metered_exposure_ev(prepared, arguments.scene.settings, world);
+  }
+  const double of_scene = stated ? *stated : *metered;
+  const bool is_metered = display.auto_exposure || (!stated && arguments.display.exposure.empty());
+  if (is_metered) {
+    display.exposure_ev = *metered;
+  } else if (arguments.display.exposure.empty()) {
+    display.exposure_ev = of_scene;
+  }
+  display.auto_exposure = false;
+  if (is_metered && !sorted_outputs(arguments.outputs).rasters.empty()) {
+    console.say(fmt::format("note: shown at {:+.2f} EV, by a look at the whole image (--exposure)",
+                            *metered));
+  }
+  return of_scene;
 }
 
 std::string summary(const RenderArguments& arguments, const RenderResult& result,
@@ -104,6 +131,7 @@ ExitCode run_render(RenderArguments& arguments) {
 
   const InterruptGuard interrupt;
   console.show(notes);
+  const double exposure_ev = settle_exposure(arguments, prepared, world, console);
   ProgressLine progress(console.is_live());
   Film film(film_options(settings));
   const RenderResult result = render(
@@ -117,9 +145,10 @@ ExitCode run_render(RenderArguments& arguments) {
   }
 
   const Clock::time_point write_start = Clock::now();
-  write_images(arguments, developed_picture(film, world, prepared,
-                                            provenance(prepared, settings, development, standards),
-                                            result.complete));
+  auto attributes = provenance(prepared, settings, development, standards);
+  attributes[kExposureAttribute] = static_cast<float>(exposure_ev);
+  write_images(arguments,
+               developed_picture(film, world, prepared, std::move(attributes), result.complete));
   times.write_seconds = seconds_since(write_start);
   times.total_seconds = seconds_since(start);
   if (!arguments.stats_file.empty()) {

@@ -27,8 +27,10 @@ void add_display_options(CLI::App& command, DisplayArguments& arguments) {
             fmt::format("OCIO display of PNG, JPEG and TIFF (default: {})", options.display));
   add_shown(command, "--view", options.view, "NAME",
             fmt::format("OCIO view of it (default: {})", options.view));
-  add_shown(command, "--exposure", arguments.exposure, "EV|auto",
-            "brightens the display image by EV stops; the EXR stays as it is (default: 0)");
+  add_shown(
+      command, "--exposure", arguments.exposure, "EV|auto",
+      "brightens the display image by EV stops; the EXR stays as it is (default: what the scene "
+      "or the EXR says, else auto)");
   add_number(command, "--bits", arguments.raster.bits, "N",
              "bits per channel of PNG and TIFF, 8 or 16 (default: 8)");
   command.add_flag("--dither", arguments.raster.dither,
@@ -51,6 +53,7 @@ void resolve_display(DisplayArguments& arguments) {
     throw_usage_error("--bits", std::to_string(arguments.raster.bits), "8 or 16");
   }
   if (!arguments.config.empty()) arguments.options.config = arguments.config;
+  if (arguments.exposure.empty()) return;
   const std::optional<double> exposure = parse_exposure(arguments.exposure);
   arguments.options.auto_exposure = !exposure;
   arguments.options.exposure_ev = exposure.value_or(0.0);

@@ -18,7 +18,7 @@ void add_development_options(CLI::App& command, DevelopmentChoice& choice);
 /// --bits and --dither say.
 struct DisplayArguments {
   std::string config;
-  std::string exposure = "0";
+  std::string exposure;  ///< Empty: what the scene or the image says.
   DisplayOptions options;
   RasterOptions raster;
 };
@@ -26,7 +26,8 @@ struct DisplayArguments {
 /// --config, --display, --view, --exposure, --bits and --dither.
 void add_display_options(CLI::App& command, DisplayArguments& arguments);
 
-/// Turns texts into options. Errors: a usage Error.
+/// Turns texts into options; an exposure that was not given is left as `exposure_ev` 0. Errors: a
+/// usage Error.
 void resolve_display(DisplayArguments& arguments);
 
 /// How an EXR is kept: what --half, --compression, --tiles and --multipart say.

@@ -151,6 +151,7 @@ class Tracer {
     }
     if (!met.is_hit()) {
       recorder_.miss(fan, list, fan.lanes);
+      see_environment(fan, fan.lanes, throughput, [&](int) { return fan.direction; });
       return;
     }
     const SurfacePoint point = surface_point(world_, fan.origin, fan.direction, met);
@@ -167,7 +168,10 @@ class Tracer {
       fog_.scatter(fan, fan.lanes, hits.origin, hits.direction, hits.t, throughput);
     }
     const LaneMask missed = found_.missed(hits, fan.lanes);
-    if (missed.any()) recorder_.miss(fan, list, missed);
+    if (missed.any()) {
+      recorder_.miss(fan, list, missed);
+      see_environment(fan, missed, throughput, [&](int lane) { return hits.direction.get(lane); });
+    }
     found_.for_each_group(hits, fan.lanes - missed, [&](const SurfaceHit& hit) {
       shade(fan, hit, among(throughput, hit.lanes), next);
     });
@@ -227,6 +231,33 @@ class Tracer {
       ChooseRebound(d, stride_, shaded, chance_of(fan, Purpose::Rebound), about_facets);
     }
     branching_.branch(where, throughput, about_facets, next);
+  }
+
+  // Light from all around, met by lanes that met nothing else: as it is outside of all bodies.
+  template <class DirectionOf>
+  void see_environment(const Fan& fan, const LaneMask& lanes, const LaneArray& throughput,
+                       const DirectionOf& direction_of) {
+    if (!world_.environment) return;
+    const bool is_background = fan.first_turn == FanOrigin::Camera;
+    if (is_background && !world_.environment->is_visible()) return;
+    const int set = samples_[fan.sample].set;
+    float* sum = b_.local_light.data() + static_cast<std::size_t>(fan.sample) * stride_;
+    float* emitted_part = part(fan, LightPart::Emitted);
+    LaneArray light;
+    Vec3f last(0.0f);
+    bool any = false;
+    for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
+      if (!lanes.test(lane)) continue;
+      const Vec3f direction = direction_of(lane);
+      if (!any || direction != last) {
+        world_.environment->radiance(world_.lanes, world_.rows, set, direction, light.v);
+        last = direction;
+        any = true;
+      }
+      const float arrived = throughput[lane] * light[lane];
+      sum[lane] += arrived;
+      if (emitted_part != nullptr) emitted_part[lane] += arrived;
+    }
   }
 
   bool is_in_fog(const Fan& fan) const { return world_.fog && fan.media.empty(); }

@@ -100,11 +100,11 @@ TabulatedScene tabulate(const Scene& scene, const WorldOptions& options, const O
                   filter_spectra(scene, options.frozen));
   Rows rows(lanes.lane_stride());
   Materials materials = tabulate_materials(scene, lanes, rows);
-  const bool shines_all_around =
-      std::any_of(materials.surfaces.begin(), materials.surfaces.end(),
-                  [](const SurfaceMaterial& material) { return material.emission.has_value(); });
   std::vector<WorldLight> lights = tabulate_lights(scene, lanes, rows);
-  const std::optional<RowId> ambient = tabulate_ambient(scene, lanes, rows);
+  std::shared_ptr<const WorldEnvironment> environment = tabulate_environment(scene, lanes, rows);
+  const bool shines_all_around = environment != nullptr;
+  const std::optional<RowId> ambient =
+      scene.environment ? std::nullopt : tabulate_ambient(scene, lanes, rows);
   const std::optional<WorldFog> fog = tabulate_fog(scene, lanes, rows);
   const RowId emission_of_d65 = rows.add(lanes.emission(lanes.d65()));
   const RowId inverse_wavelength = rows.add(lanes.inverse_wavelength());
@@ -125,6 +125,7 @@ TabulatedScene tabulate(const Scene& scene, const WorldOptions& options, const O
           .textures = std::move(materials.textures),
           .lights = std::move(lights),
           .ambient = ambient,
+          .environment = std::move(environment),
           .fog = fog,
           .shines_all_around = shines_all_around,
           .d65 = emission_of_d65,

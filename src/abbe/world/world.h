@@ -13,6 +13,7 @@
 #include "abbe/accel/accelerator.h"
 #include "abbe/accel/touching.h"
 #include "abbe/scene/scene.h"
+#include "abbe/world/environment.h"
 #include "abbe/world/geometry.h"
 #include "abbe/world/lanes.h"
 #include "abbe/world/lights.h"
@@ -33,7 +34,8 @@ struct TabulatedScene {
   std::vector<SurfaceMaterial> materials;
   std::vector<WorldTexture> textures;
   std::vector<WorldLight> lights;
-  std::optional<RowId> ambient;
+  std::optional<RowId> ambient;                         ///< Not beside an environment.
+  std::shared_ptr<const WorldEnvironment> environment;  ///< Null: none.
   std::optional<WorldFog> fog;
   /// THE decision whether rough opaque dielectrics reflect what is around them by a sampled ray, as
   /// metals and glass always do: where something shines that is no lamp without an area, which

@@ -65,11 +65,44 @@ class DirectLight {
           job, [&](int lane) { return shadow_ray(hit, to_light, lane); },
           fan.depth == 0 ? lamp : kIncoherent);
     }
+    if (world_.environment) send_environment(surface, to_light);
     send_parallel_chains(surface);
     send_point_chains(surface);
   }
 
  private:
+  static constexpr std::uint32_t kPlacesSeen = 4;
+
+  // Light from all around that the surface scatters widely; what its lobes have rays for they meet
+  // themselves. Straight through all glass.
+  void send_environment(const LitSurface& surface, LightGeometry& to_light) {
+    const D d;
+    const Fan& fan = surface.where.fan;
+    const SurfaceHit& hit = surface.where.hit;
+    const CameraSample& sample = samples_[fan.sample];
+    const ShadedSurface& all = surface.shaded;
+    const ShadedSurface broad{all.hit, all.at, all.rows, all.answer, false, false, nullptr};
+    const LitSurface without_rays{surface.where, broad, surface.throughput};
+    // What the camera sees is lit from more places, so that a pixel of few samples has little
+    // grain.
+    const std::uint32_t count = fan.depth == 0 ? kPlacesSeen : 1;
+    for (std::uint32_t number = 0; number < count; ++number) {
+      const auto drawn = world_.environment->draw(
+          random_2d(sample.chance, fan.path, Purpose::Environment, number));
+      if (!drawn) return;
+      Splat(d, stride_, drawn->direction, to_light.direction);
+      Splat(d, stride_, kInfinity, to_light.distance_m);
+      world_.environment->radiance(world_.lanes, world_.rows, sample.set, drawn->direction,
+                                   to_light.irradiance.v);
+      const float share = 1.0f / (drawn->density * static_cast<float>(count));
+      for (int lane = 0; lane < stride_; ++lane) to_light.irradiance[lane] *= share;
+      ShadowJob job;
+      if (!begin_job(without_rays, to_light, job)) continue;
+      job.departure = departure_from(hit, job.lanes, to_light.direction);
+      shadows_.add(job, [&](int lane) { return shadow_ray(hit, to_light, lane); });
+    }
+  }
+
   // Room for the light of a lamp and what it adds; false when no lane gets any.
   bool begin_job(const LitSurface& surface, const LightGeometry& to_light, ShadowJob& job) {
     const Fan& fan = surface.where.fan;

@@ -32,8 +32,8 @@ void settle_contacts(const World& world, const FanList& list, std::size_t first,
       std::optional<Contact> contact;
       if (fan.departure.is_crowded()) {
         contact = finder.leave(ray, fan.departure, hit);
-      } else if (hit.is_hit() &&
-                 world.touching_of(hit.primitive).holds(ray.origin + hit.t * ray.direction, hit.t)) {
+      } else if (hit.is_hit() && world.touching_of(hit.primitive)
+                                     .holds(ray.origin + hit.t * ray.direction, hit.t)) {
         contact = finder.meet(ray, hit);
       }
       if (!contact) return 0;

@@ -170,7 +170,9 @@ std::vector<Spectrum> lamp_spectra(const Scene& scene, const Spectrum& d65) {
       uses_d65 = true;
     }
   }
-  if (scene.ambient) lamps.push_back(scene.ambient->spectrum.spectrum);
+  if (scene.ambient && scene.ambient->luminance_cd_per_m2 > 0.0) {
+    lamps.push_back(scene.ambient->spectrum.spectrum);
+  }
   if (uses_d65) lamps.push_back(d65);
   return lamps;
 }

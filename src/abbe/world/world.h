@@ -13,13 +13,13 @@
 #include "abbe/accel/accelerator.h"
 #include "abbe/accel/touching.h"
 #include "abbe/scene/scene.h"
-#include "abbe/world/environment.h"
 #include "abbe/world/geometry.h"
 #include "abbe/world/lanes.h"
-#include "abbe/world/lights.h"
+#include "abbe/world/light/environment.h"
+#include "abbe/world/light/lights.h"
+#include "abbe/world/light/surroundings.h"
 #include "abbe/world/materials.h"
 #include "abbe/world/rows.h"
-#include "abbe/world/surroundings.h"
 #include "abbe/world/texture.h"
 
 namespace abbe {

@@ -6,7 +6,7 @@
 #include "abbe/cli/describe/describe.h"
 #include "abbe/load/spectra/range_notes.h"
 #include "abbe/scene/scene.h"
-#include "abbe/world/lights.h"
+#include "abbe/world/light/lights.h"
 
 namespace abbe {
 namespace {

@@ -17,7 +17,7 @@
 #include "abbe/caustics/flat/light/point-inl.h"
 #include "abbe/integrate/light/chain_gates-inl.h"
 #include "abbe/optics/absorption-inl.h"
-#include "abbe/world/lights-inl.h"
+#include "abbe/world/light/lights-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {

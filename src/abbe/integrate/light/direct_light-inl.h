@@ -19,7 +19,7 @@
 #include "abbe/integrate/light/pixel.h"
 #include "abbe/integrate/light/reflected_light-inl.h"
 #include "abbe/optics/absorption-inl.h"
-#include "abbe/world/lights-inl.h"
+#include "abbe/world/light/lights-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {

@@ -12,7 +12,7 @@
 
 #include "abbe/integrate/lit_surface.h"
 #include "abbe/integrate/surface/scatter-inl.h"
-#include "abbe/world/lights.h"
+#include "abbe/world/light/lights.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {

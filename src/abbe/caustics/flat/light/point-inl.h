@@ -30,7 +30,7 @@
 #include "abbe/caustics/flat/light/point_shot-inl.h"
 #include "abbe/caustics/flat/light/solver.h"
 #include "abbe/optics/absorption-inl.h"
-#include "abbe/world/lights-inl.h"
+#include "abbe/world/light/lights-inl.h"
 #include "abbe/world/world.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -16,7 +16,7 @@
 
 #include "abbe/caustics/flat/point_chain.h"
 #include "abbe/math/lanes-inl.h"
-#include "abbe/world/lights.h"
+#include "abbe/world/light/lights.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {

@@ -10,7 +10,7 @@
 #include "abbe/caustics/flat/facet_optics.h"
 #include "abbe/math/polygon.h"
 #include "abbe/optics/snell.h"
-#include "abbe/world/lights.h"
+#include "abbe/world/light/lights.h"
 
 namespace abbe {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "abbe/math/polygon.h"
-#include "abbe/world/lights.h"
+#include "abbe/world/light/lights.h"
 
 namespace abbe {
 namespace {

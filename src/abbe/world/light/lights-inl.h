@@ -1,17 +1,17 @@
 /// Light of lamps for all lanes at once, by their kind. Highway code, compiled once per instruction
 /// set.
 
-#if defined(ABBE_WORLD_LIGHTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef ABBE_WORLD_LIGHTS_INL_H_
-#undef ABBE_WORLD_LIGHTS_INL_H_
+#if defined(ABBE_WORLD_LIGHT_LIGHTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ABBE_WORLD_LIGHT_LIGHTS_INL_H_
+#undef ABBE_WORLD_LIGHT_LIGHTS_INL_H_
 #else
-#define ABBE_WORLD_LIGHTS_INL_H_
+#define ABBE_WORLD_LIGHT_LIGHTS_INL_H_
 #endif
 
 #include <algorithm>
 
 #include "abbe/math/segment-inl.h"
-#include "abbe/world/lights.h"
+#include "abbe/world/light/lights.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {
@@ -140,4 +140,4 @@ HWY_INLINE bool LampSegments(D d, int stride, bool has_ray_per_lane, const World
 }  // namespace abbe
 HWY_AFTER_NAMESPACE();
 
-#endif  // ABBE_WORLD_LIGHTS_INL_H_
+#endif  // ABBE_WORLD_LIGHT_LIGHTS_INL_H_

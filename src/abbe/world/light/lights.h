@@ -1,5 +1,5 @@
 /// The lights of a scene, ready to shine, and all that depends on their kind. Vector code for them
-/// is in world/lights-inl.h.
+/// is in world/light/lights-inl.h.
 #pragma once
 
 #include <optional>
@@ -69,7 +69,7 @@ struct StraightPath {
 /// Absent where the lamp does not shine on the place.
 std::optional<StraightPath> straight_path(const WorldLight& light, const Vec3d& place);
 
-/// LampWindow of world/lights-inl.h in double precision.
+/// LampWindow of world/light/lights-inl.h in double precision.
 double lamp_window(const WorldLight& light, double distance_m, double cosine);
 
 /// A half-space normal·x ≤ distance.

@@ -1,4 +1,4 @@
-#include "abbe/world/environment.h"
+#include "abbe/world/light/environment.h"
 
 #include <algorithm>
 #include <cmath>

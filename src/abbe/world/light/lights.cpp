@@ -1,11 +1,11 @@
-#include "abbe/world/lights.h"
+#include "abbe/world/light/lights.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "abbe/world/lights-inl.h"
+#include "abbe/world/light/lights-inl.h"
 
 namespace abbe {
 namespace {

@@ -1,4 +1,4 @@
-#include "abbe/world/surroundings.h"
+#include "abbe/world/light/surroundings.h"
 
 namespace abbe {
 

@@ -43,7 +43,7 @@ TEST(MicrofacetLossTest, table_is_the_integral_of_single_scattering) {
 }
 
 double reflected(const RoughCase& c, bool multiple_scattering) {
-  constexpr std::uint32_t kRays = 1 << 13;
+  constexpr std::uint32_t kRays = 1 << 18;
   double sum = 0.0;
   RoughSurface surface(c, multiple_scattering);
   surface.follow(
@@ -57,7 +57,7 @@ double reflected(const RoughCase& c, bool multiple_scattering) {
 TEST(MultipleScattering, white_metal_returns_all_light) {
   for (const double roughness : {0.1, 0.3, 0.6, 1.0}) {
     for (const double angle_deg : {0.0, 45.0, 80.0}) {
-      // 2^13 stratified samples.
+      // 2^18 stratified samples.
       EXPECT_NEAR(reflected({Kind::WhiteMetal, roughness, angle_deg}, true), 1.0, 1e-3)
           << "roughness " << roughness << " at " << angle_deg << " degrees";
     }
@@ -75,7 +75,7 @@ TEST(MultipleScattering, gold_gains_what_its_loss_leaves_after_more_reflections)
       mean += lost(c.ggx(), cosine) / kAngles;
     }
     const double right = lost(c.ggx(), c.view().z) * k_r * k_r * (1.0 - mean) / (1.0 - k_r * mean);
-    // Two runs of 2^13 samples that share their microfacets.
+    // Two runs of 2^18 samples that share their microfacets.
     EXPECT_NEAR(reflected(c, true) - reflected(c, false), right, 2e-3) << c;
   }
 }

@@ -38,8 +38,7 @@ struct TabulatedScene {
   std::shared_ptr<const WorldEnvironment> environment;  ///< Null: none.
   std::optional<WorldFog> fog;
   /// THE decision whether rough opaque dielectrics reflect what is around them by a sampled ray, as
-  /// metals and glass always do: where something shines that is no lamp without an area, which
-  /// their highlights show. Everything that a sampled ray may find belongs here.
+  /// metals and glass always do: where there is an environment, which no highlight shows.
   bool shines_all_around = false;
 
   RowId d65 = 0;                 ///< Emission of D65 at 1 cd/m², for textured emission.

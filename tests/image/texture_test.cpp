@@ -94,6 +94,36 @@ TEST(Texture, jpeg_is_decoded_within_its_loss) {
   EXPECT_EQ(texture.rgba8[3], 255);
 }
 
+// 200 100 50 128, 10 20 30 255 above 7 8 9 3, 255 0 128 64, lossless, by libwebp.
+const std::vector<std::uint8_t> kWebP{
+    0x52, 0x49, 0x46, 0x46, 0x46, 0x00, 0x00, 0x00, 0x57, 0x45, 0x42, 0x50, 0x56, 0x50, 0x38, 0x4c,
+    0x39, 0x00, 0x00, 0x00, 0x2f, 0x01, 0x40, 0x00, 0x10, 0x1f, 0xa0, 0xa6, 0x6d, 0x03, 0xe6, 0x4d,
+    0x07, 0xcc, 0xc2, 0x2f, 0x20, 0x45, 0x6d, 0xa4, 0x40, 0x7b, 0x82, 0x7f, 0x59, 0x08, 0xe2, 0x2f,
+    0x24, 0x20, 0xb2, 0x01, 0x0e, 0x9a, 0x68, 0x21, 0x99, 0x80, 0xc5, 0x50, 0x8c, 0xfe, 0x95, 0x1c,
+    0xc1, 0x92, 0xda, 0xff, 0xdb, 0xee, 0xe2, 0x07, 0x08, 0x11, 0xfd, 0x0f, 0x01, 0x00};
+
+TEST(Texture, webp_has_its_codes_to_half_a_code_over_alpha) {
+  const DecodedTexture texture = decode_texture(kWebP, "");
+  EXPECT_EQ(texture.width, 2);
+  EXPECT_EQ(texture.height, 2);
+  const std::vector<int> codes{200, 100, 50, 128, 10, 20, 30, 255, 7, 8, 9, 3, 255, 0, 128, 64};
+  ASSERT_EQ(texture.rgba8.size(), codes.size());
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    const int alpha = codes[i / 4 * 4 + 3];
+    const double step = i % 4 == 3 || alpha == 255 ? 0.0 : 255.0 / alpha;
+    EXPECT_NEAR(texture.rgba8[i], codes[i], 0.5 * step + (step > 0.0 ? 0.5 : 0.0)) << i;
+  }
+}
+
+TEST(Texture, truncated_or_broken_webp_is_an_input_error) {
+  for (std::size_t size = 16; size < kWebP.size(); ++size) {
+    expect_rejected(std::span(kWebP).first(size), "truncated");
+  }
+  auto broken = kWebP;
+  broken[20] ^= 0xff;  // The signature of its stream.
+  expect_rejected(broken, "broken webp");
+}
+
 TEST(Texture, other_formats_are_an_input_error) {
   const auto text = [](const std::string& s) {
     return std::vector<std::uint8_t>(s.begin(), s.end());
@@ -137,7 +167,7 @@ TEST(Texture, truncated_jpeg_is_an_input_error_wherever_it_ends) {
   write_raster(folder / "a.jpg", image);
   const auto bytes = bytes_of(folder / "a.jpg");
   for (std::size_t size = 0; size < bytes.size(); ++size) {
-    expect_rejected(std::span(bytes).first(size), "expected a PNG or JPEG image");
+    expect_rejected(std::span(bytes).first(size), "expected a PNG, JPEG or WebP image");
   }
 }
 

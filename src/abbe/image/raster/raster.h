@@ -38,10 +38,9 @@ struct DecodedTexture {
   std::vector<float> rgba_float;    ///< width·height·4 values, or empty
 };
 
-/// Decodes a PNG or JPEG held in memory (glTF allows no others); row 0 at the top, grey and missing
-/// alpha filled in. The content decides the format, not its label.
-/// Domain: at most 2^28 pixels, checked on the header before any allocation.
-/// Errors: input Error at `where`.
+/// Decodes a PNG, JPEG or WebP held in memory (glTF allows no others); row 0 at the top, grey and
+/// missing alpha filled in. The content decides the format, not its label. Domain: at most 2^28
+/// pixels, checked on the header before any allocation. Errors: input Error at `where`.
 DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::string& where);
 
 /// Any image OpenImageIO reads, as floats. Errors: input Error.

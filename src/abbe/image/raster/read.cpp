@@ -64,13 +64,32 @@ std::unique_ptr<OIIO::ImageInput> open_raster(const std::filesystem::path& file)
 
 }  // namespace
 
+namespace {
+
+// OpenImageIO 2.4 multiplies a WebP's colours by alpha whatever is asked. Divided again they are
+// right to half a code over alpha: what a surface shows of them, to half a code.
+void divide_by_alpha(std::vector<std::uint8_t>& rgba) {
+  for (std::size_t i = 0; i + 3 < rgba.size(); i += 4) {
+    const unsigned alpha = rgba[i + 3];
+    if (alpha == 0 || alpha == 255) continue;
+    for (std::size_t c = i; c < i + 3; ++c) {
+      rgba[c] = static_cast<std::uint8_t>(std::min(255u, (rgba[c] * 255u + alpha / 2) / alpha));
+    }
+  }
+}
+
+}  // namespace
+
 DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::string& where) {
   const auto reject = [&](const std::string& found) {
-    throw_input_error(where, found, "a PNG or JPEG image");
+    throw_input_error(where, found, "a PNG, JPEG or WebP image");
   };
   const std::string error = texture_structure_error(bytes);
   if (!error.empty()) reject(error);
-  const std::string format = texture_format(bytes) == TextureFormat::Png ? "png" : "jpeg";
+  const TextureFormat kind = texture_format(bytes);
+  const std::string format = kind == TextureFormat::Png    ? "png"
+                             : kind == TextureFormat::Jpeg ? "jpeg"
+                                                           : "webp";
 
   OIIO::Filesystem::IOMemReader memory(const_cast<std::uint8_t*>(bytes.data()), bytes.size());
   OIIO::Filesystem::IOProxy* proxy = &memory;
@@ -111,6 +130,8 @@ DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::st
   };
   if (spec.format == OIIO::TypeDesc::UINT8) {
     texture.rgba8 = decode(OIIO::TypeDesc::UINT8, std::uint8_t{255});
+    const bool is_associated = spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
+    if (kind == TextureFormat::WebP && is_associated) divide_by_alpha(texture.rgba8);
   } else {
     texture.rgba_float = decode(OIIO::TypeDesc::FLOAT, 1.0f);
   }

@@ -26,6 +26,13 @@ std::uint32_t big_endian(Bytes bytes) {
   return value;
 }
 
+// RFC 9649, 2.4: RIFF, the size of what follows, WEBP, chunks.
+std::string webp_error(Bytes bytes) {
+  std::uint64_t size = 0;
+  for (std::size_t i = 8; i-- > 4;) size = size << 8 | bytes[i];
+  return size + 8 > bytes.size() ? "a truncated WebP" : "";
+}
+
 struct PngHeader {
   std::uint64_t width = 0;
   std::uint64_t height = 0;
@@ -126,7 +133,10 @@ std::string jpeg_error(Bytes bytes) {
 TextureFormat texture_format(Bytes bytes) {
   if (starts_with(bytes, kPngMagic)) return TextureFormat::Png;
   if (starts_with(bytes, kJpegMagic)) return TextureFormat::Jpeg;
-  return TextureFormat::Other;
+  // Between the two stands the size.
+  const bool is_webp =
+      starts_with(bytes, "RIFF") && bytes.size() >= 16 && starts_with(bytes.subspan(8), "WEBP");
+  return is_webp ? TextureFormat::WebP : TextureFormat::Other;
 }
 
 std::string texture_structure_error(Bytes bytes) {
@@ -136,10 +146,12 @@ std::string texture_structure_error(Bytes bytes) {
       return png_error(bytes);
     case TextureFormat::Jpeg:
       return jpeg_error(bytes);
+    case TextureFormat::WebP:
+      return webp_error(bytes);
     case TextureFormat::Other:
       break;
   }
-  return "bytes that begin neither as PNG nor as JPEG";
+  return "bytes that begin neither as PNG nor as JPEG nor as WebP";
 }
 
 }  // namespace abbe

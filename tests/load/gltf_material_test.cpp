@@ -81,13 +81,14 @@ TEST_F(GltfMaterial, glass_of_the_khr_extensions) {
   EXPECT_NEAR(abbe_number(m.index), 40.0, 0.04);
 }
 
-TEST_F(GltfMaterial, ior_of_zero_is_infinite_and_below_one_an_error) {
+TEST_F(GltfMaterial, ior_of_zero_is_infinite_and_below_one_is_one) {
   extension("KHR_materials_ior") = {{"ior", 0}};
   extension("KHR_materials_dispersion") = {{"dispersion", 1}};
   EXPECT_TRUE(loaded().index_is_infinite);
   extension("KHR_materials_ior") = {{"ior", 0.9}};
-  EXPECT_THAT(error(), HasSubstr("/materials/0/extensions/KHR_materials_ior/ior: found 0.9, "
-                                 "expected 0 or at least 1"));
+  EXPECT_EQ(index_at(loaded(), 587.5618), 1.0);
+  EXPECT_THAT(notes_text(), HasSubstr("/materials/0/extensions/KHR_materials_ior/ior: 0.9, "
+                                      "expected 0 or at least 1; 1 is used"));
 }
 
 TEST_F(GltfMaterial, emissive_strength_multiplies) {

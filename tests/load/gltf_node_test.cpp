@@ -85,10 +85,20 @@ TEST_F(GltfNode, cycle_is_an_error) {
   EXPECT_THAT(error(), HasSubstr("its own ancestor"));
 }
 
-TEST_F(GltfNode, scene_root_with_a_parent_is_an_error) {
-  document["nodes"] = {{{"children", {1}}}, {{"mesh", 0}}};
-  document["scenes"][0]["nodes"] = {0, 1};
-  EXPECT_THAT(error(), HasSubstr("/scenes/0/nodes/1"));
+TEST_F(GltfNode, scene_root_below_another_stands_in_its_place_once) {
+  document["nodes"] = {{{"children", {1}}, {"translation", {5, 0, 0}}}, {{"mesh", 0}}};
+  document["scenes"][0]["nodes"] = {1, 0};
+  const Scene scene = load();
+  EXPECT_EQ(scene.instances.size(), 1u);
+  expect_near(placed(scene, {0, 0, 0}), {5, 0, 0});
+  EXPECT_THAT(notes_text(), HasSubstr("node 1, a child of node 0"));
+}
+
+TEST_F(GltfNode, scene_root_whose_parent_is_in_no_scene_stands_alone) {
+  document["nodes"] = {{{"children", {1}}, {"translation", {5, 0, 0}}}, {{"mesh", 0}}};
+  document["scenes"][0]["nodes"] = {1};
+  expect_near(placed(load(), {0, 0, 0}), {0, 0, 0});
+  EXPECT_THAT(notes_text(), HasSubstr("it stands without its parent"));
 }
 
 TEST_F(GltfNode, file_without_scenes_shows_all_its_nodes) {
@@ -180,7 +190,7 @@ TEST_F(GltfNode, lights_that_mean_nothing_are_errors) {
   node()["extensions"]["KHR_lights_punctual"]["light"] = 0;
   for (const Json& light :
        {Json{{"type", "area"}}, Json{{"type", "point"}, {"intensity", -1}},
-        Json{{"type", "point"}, {"range", 0}}, Json{{"intensity", 1}},
+        Json{{"type", "point"}, {"range", -1}}, Json{{"intensity", 1}},
         Json{{"type", "spot"}, {"spot", {{"innerConeAngle", 1}, {"outerConeAngle", 0.5}}}}}) {
     document["extensions"]["KHR_lights_punctual"]["lights"] = Json::array({light});
     EXPECT_THAT(error(), HasSubstr("/extensions/KHR_lights_punctual/lights/0")) << light;

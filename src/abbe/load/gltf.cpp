@@ -110,12 +110,17 @@ class Placer {
     result.shape = read_shape(document_, mesh);
     if (result.shape) {
       result.shape->name = source.name.empty() ? fmt::format("mesh {}", mesh) : source.name;
-      result.shape->material = material_index(source.primitives.front().material);
+      result.shape->material =
+          material_index(source.primitives.empty() ? -1 : source.primitives.front().material);
       if (source.primitives.size() > 1) {
         document_.notes().warn(document_.where(fmt::format("/meshes/{}/primitives", mesh)),
                                "an ABBE_shape has one material: that of the first primitive");
       }
       return converted_.emplace(mesh, std::move(result)).first->second;
+    }
+    if (source.primitives.empty()) {
+      document_.fault(fmt::format("/meshes/{}/primitives", mesh), "no primitive", "one or more",
+                      "the mesh is not rendered");
     }
     for (std::size_t i = 0; i < source.primitives.size(); ++i) {
       std::optional<Mesh> read = read_primitive(document_, model_, accessors_, mesh, i);
@@ -284,7 +289,7 @@ std::vector<int> parentless_nodes(const tinygltf::Model& model) {
 
 Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
                 const LoadOptions& options, Notes& notes) {
-  gltf::Document document(file, notes);
+  gltf::Document document(file, notes, options.strict);
   gltf::check_structure(document);
   gltf::check_extensions(document);
   const tinygltf::Model model = gltf::parse_core(document);
@@ -305,7 +310,7 @@ Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
   if (chosen) {
     const tinygltf::Scene& source = model.scenes[static_cast<std::size_t>(*chosen)];
     scene.name = source.name;
-    roots = source.nodes;
+    roots = gltf::scene_roots(document, model, *chosen);
     gltf::apply_abbe_scene(document, *chosen, spectra, scene);
   } else {
     roots = gltf::parentless_nodes(model);
@@ -315,6 +320,8 @@ Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
   gltf::visit_nodes(document, model, roots,
                     [&placer](const gltf::PlacedNode& node) { placer.place(node); });
   if (scene.instances.empty()) {
+    // Nothing but what is wrong with the file says why.
+    if (document.first_fault()) throw *document.first_fault();
     notes.warn(document.file_name(), "the scene has nothing to render");
   }
   scene.emissive_light = scene.lights.empty();

@@ -14,6 +14,7 @@ namespace abbe {
 /// What of a file is loaded.
 struct LoadOptions {
   std::optional<std::string> scene_name;  ///< Which scene of the file; default: the file's own.
+  bool strict = false;  ///< What viewers put up with is an error instead of a warning.
 };
 
 /// Reads, checks and understands a glTF file. Everything ignored or approximated becomes a note.

@@ -141,6 +141,7 @@ std::string PreparedScene::camera_name() const {
 
 PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogue, Notes& notes) {
   LoadOptions load;
+  load.strict = choice.strict;
   if (!choice.scene.empty()) load.scene_name = choice.scene;
   for (const Note& note : catalogue.notes().all()) notes.warn(note.where, note.text);
   PreparedScene prepared;

@@ -19,6 +19,7 @@ struct SceneChoice {
   /// By name, or by number from 0: `#N` where a name may be a number; empty: the first. `frame`,
   /// where no camera has that name: one that frames the scene, though the file has cameras.
   std::string camera = {};
+  bool strict = false;    ///< What viewers put up with in a file is an error.
   std::string lamp = {};  ///< Spectrum of the catalogue for all lamps; empty: the scene's own.
   /// An image of light from all around, instead of what the file has; empty: the file's own.
   std::filesystem::path environment = {};

@@ -12,7 +12,13 @@ namespace abbe {
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("SCENE", options.choice.file, "glTF scene, .gltf or .glb")->required();
+  add_strict_option(command, options.choice);
   add_view_options(command, options);
+}
+
+void add_strict_option(CLI::App& command, SceneChoice& choice) {
+  command.add_flag("--strict", choice.strict,
+                   "what viewers put up with in a file is an error instead of a warning");
 }
 
 void add_view_options(CLI::App& command, SceneOptions& options) {

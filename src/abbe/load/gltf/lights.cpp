@@ -194,13 +194,28 @@ Light read_light(Document& document, int index, Spectra& spectra) {
   }
   light.color_rec709 = fields.limited_triple("color", Vec3d(1.0), {0.0, kBrightest});
   light.intensity = fields.number("intensity", 1.0, {0.0, kBrightest});
-  if (fields.has("range")) light.range_m = positive(fields, "range");
+  if (fields.has("range")) {
+    light.range_m = fields.required_number("range", {0.0, 1e12});
+    if (light.range_m == 0.0) {
+      document.fault(fields.pointer("range"), "0", "a number above 0", "no range is used");
+      light.range_m = Light{}.range_m;
+    }
+  }
   if (const auto spot = fields.object("spot")) {
     light.inner_cone_rad = spot->number("innerConeAngle", 0.0, {0.0, 0.5 * kPi});
     light.outer_cone_rad = spot->number("outerConeAngle", 0.25 * kPi, {0.0, 0.5 * kPi + 1e-6});
     if (light.inner_cone_rad >= light.outer_cone_rad) {
-      throw_input_error(spot->where("innerConeAngle"), fmt::format("{:g}", light.inner_cone_rad),
-                        fmt::format("below outerConeAngle, {:g}", light.outer_cone_rad));
+      const std::string found = fmt::format("{:.9g}", light.inner_cone_rad);
+      const std::string expected =
+          fmt::format("below outerConeAngle, {:.9g}", light.outer_cone_rad);
+      // Angles that went through single precision, or degrees.
+      constexpr double kRounding = 1e-5;
+      if (light.inner_cone_rad > light.outer_cone_rad * (1.0 + kRounding) ||
+          light.outer_cone_rad == 0.0) {
+        throw_input_error(spot->where("innerConeAngle"), found, expected);
+      }
+      document.fault(spot->pointer("innerConeAngle"), found, expected, "the edge is sharp");
+      light.inner_cone_rad = light.outer_cone_rad * (1.0 - kRounding);
     }
   }
   if (const Json* extension = find_extension(json, "ABBE_light")) {

@@ -55,7 +55,7 @@ void read_emissive(const Fields& source, const std::optional<Fields>& extensions
   material.emissive_texture = textures.use(source, "emissiveTexture");
 }
 
-void read_index(const Fields& extensions, Notes& notes, Material& material) {
+void read_index(const Fields& extensions, Document& document, Material& material) {
   double n_d = 1.5;
   if (const auto extension = extensions.object("KHR_materials_ior")) {
     n_d = extension->number("ior", 1.5, {0.0});
@@ -64,10 +64,12 @@ void read_index(const Fields& extensions, Notes& notes, Material& material) {
       return;
     }
     if (n_d < 1.0) {
-      throw_input_error(extension->where("ior"), fmt::format("{:g}", n_d), "0 or at least 1");
+      document.fault(extension->pointer("ior"), fmt::format("{:g}", n_d), "0 or at least 1",
+                     "1 is used");
+      n_d = 1.0;
     }
     constexpr double kLargestIndex = 1000.0;  // As refractive_index() limits it.
-    n_d = limit(n_d, {1.0, kLargestIndex}, extension->where("ior"), notes);
+    n_d = limit(n_d, {1.0, kLargestIndex}, extension->where("ior"), document.notes());
   }
   material.index = ConstantIndex{n_d};
   if (const auto extension = extensions.object("KHR_materials_dispersion")) {
@@ -76,7 +78,7 @@ void read_index(const Fields& extensions, Notes& notes, Material& material) {
   }
 }
 
-void read_volume(const Fields& extensions, Notes& notes, Material& material) {
+void read_volume(const Fields& extensions, Document& document, Material& material) {
   const auto extension = extensions.object("KHR_materials_volume");
   if (!extension) return;
   const double thickness = extension->number("thicknessFactor", 0.0, {0.0});
@@ -87,14 +89,17 @@ void read_volume(const Fields& extensions, Notes& notes, Material& material) {
   if (extension->has("attenuationDistance")) {
     const double distance_m = finite_number(extension->at("attenuationDistance"),
                                             extension->where("attenuationDistance"), {0.0});
-    if (distance_m == 0.0) {
-      throw_input_error(extension->where("attenuationDistance"), "0", "a number above 0");
+    if (distance_m > 0.0) {
+      material.attenuation_distance_m = distance_m;
+    } else {
+      document.fault(extension->pointer("attenuationDistance"), "0", "a number above 0",
+                     "nothing is absorbed");
     }
-    material.attenuation_distance_m = distance_m;
   }
   if (material.transmission == 0.0f && !extensions.has("ABBE_material")) {
-    notes.warn(extension->where("thicknessFactor"),
-               "a volume shows only with KHR_materials_transmission; the surface is opaque");
+    document.notes().warn(
+        extension->where("thicknessFactor"),
+        "a volume shows only with KHR_materials_transmission; the surface is opaque");
   }
 }
 
@@ -132,8 +137,8 @@ Material read_material(Document& document, std::size_t index, Textures& textures
         static_cast<float>(extension->limited("transmissionFactor", 0.0, kUnit));
     material.transmission_texture = textures.use(*extension, "transmissionTexture");
   }
-  read_index(*extensions, notes, material);
-  read_volume(*extensions, notes, material);
+  read_index(*extensions, document, material);
+  read_volume(*extensions, document, material);
   read_iridescence(*extensions, document, textures, material);
   if (const auto extension = extensions->object("ABBE_material")) {
     apply_abbe_material(document, *extension, json, spectra, material);

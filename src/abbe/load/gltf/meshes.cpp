@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 
 #include "abbe/base/error.h"
 #include "abbe/load/gltf/document/check.h"
@@ -13,20 +14,18 @@
 namespace abbe::gltf {
 namespace {
 
-// Indices of the triangles of a list, strip or fan. Source: glTF 2.0, 3.7.2.1.
-std::vector<std::array<std::uint32_t, 3>> assemble(const std::vector<std::uint32_t>& indices,
-                                                   int mode) {
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+
+// Adds the triangles of a list, strip or fan. Source: glTF 2.0, 3.7.2.1.
+void assemble(std::span<const std::uint32_t> indices, int mode, Triangles& triangles) {
   const std::size_t n = indices.size();
   if (mode == TINYGLTF_MODE_TRIANGLES) {
-    triangles.reserve(n / 3);
+    triangles.reserve(triangles.size() + n / 3);
     for (std::size_t i = 0; i + 2 < n; i += 3) {
       triangles.push_back({indices[i], indices[i + 1], indices[i + 2]});
     }
-    return triangles;
+    return;
   }
-  if (n < 3) return triangles;
-  triangles.reserve(n - 2);
   for (std::size_t i = 0; i + 2 < n; ++i) {
     if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
       triangles.push_back({indices[i], indices[i + 1 + i % 2], indices[i + 2 - i % 2]});
@@ -34,7 +33,6 @@ std::vector<std::array<std::uint32_t, 3>> assemble(const std::vector<std::uint32
       triangles.push_back({indices[i + 1], indices[i + 2], indices[0]});
     }
   }
-  return triangles;
 }
 
 // Where many primitives share large arrays, each takes only the vertices it uses, and its indices
@@ -93,7 +91,41 @@ void check_range(Document& document, const tinygltf::Accessor& accessor, int ind
 struct Corners {
   std::vector<std::uint32_t> indices;
   Selection selected;
+  /// Where a strip, fan or triangle begins anew: places in `indices`, rising.
+  std::vector<std::size_t> restarts = {};
 };
+
+// The largest value of its type, which glTF forbids as an index, ends what was begun: graphics
+// libraries of viewers do so, whatever the number of vertices.
+void take_restarts(Document& document, std::uint32_t restart, const std::string& pointer,
+                   Corners& corners) {
+  std::size_t kept = 0;
+  for (const std::uint32_t index : corners.indices) {
+    if (index == restart) {
+      corners.restarts.push_back(kept);
+    } else {
+      corners.indices[kept++] = index;
+    }
+  }
+  corners.indices.resize(kept);
+  if (corners.restarts.empty()) return;
+  document.fault(
+      pointer + "/indices",
+      fmt::format("{} times {}, the largest of its type", corners.restarts.size(), restart),
+      "indices below", "a strip, fan or triangle begins anew there");
+}
+
+Triangles assemble(const Corners& corners, int mode) {
+  Triangles triangles;
+  const std::span<const std::uint32_t> indices(corners.indices);
+  std::size_t begin = 0;
+  for (const std::size_t end : corners.restarts) {
+    assemble(indices.subspan(begin, end - begin), mode, triangles);
+    begin = end;
+  }
+  assemble(indices.subspan(begin), mode, triangles);
+  return triangles;
+}
 
 Corners read_corners(Document& document, Accessors& accessors, const tinygltf::Primitive& source,
                      std::size_t vertex_count, const std::string& pointer) {
@@ -106,6 +138,7 @@ Corners read_corners(Document& document, Accessors& accessors, const tinygltf::P
   if (source.indices >= 0) {
     accessors.spend(accessors.count(source.indices), pointer);
     indices = accessors.indices(source.indices, pointer + "/indices");
+    take_restarts(document, accessors.largest_index(source.indices), pointer, corners);
     for (std::size_t i = 0; i < indices.size(); ++i) {
       if (indices[i] >= vertex_count) {
         throw_input_error(document.where(pointer + "/indices"),
@@ -136,6 +169,11 @@ void read_attributes(Document& document, const tinygltf::Model& model, Accessors
     const bool is_known = name == "POSITION" || name == "NORMAL" || name == "TANGENT" ||
                           name == "TEXCOORD_0" || name == "TEXCOORD_1" || name == "COLOR_0";
     if (!is_known) continue;
+    if (accessors.count(accessor) == 0) {
+      document.fault(fmt::format("/accessors/{}/count", accessor), "0", "at least 1",
+                     user + " is ignored");
+      continue;
+    }
     if (accessors.count(accessor) != vertex_count) {
       throw_input_error(document.where(user), fmt::format("{} elements", accessors.count(accessor)),
                         fmt::format("as many as POSITION has, {}", vertex_count));
@@ -177,27 +215,34 @@ std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& mo
     notes.warn(place, "no POSITION; not rendered");
     return std::nullopt;
   }
+  for (const int used : {position_accessor->second, source.indices}) {
+    if (used < 0 || accessors.count(used) > 0) continue;
+    document.fault(fmt::format("/accessors/{}/count", used), "0", "at least 1",
+                   pointer + " is not rendered");
+    return std::nullopt;
+  }
   if (!source.targets.empty()) {
     notes.warn(place, "morph targets are not applied: the base shape is rendered");
   } else if (!source_mesh.weights.empty()) {
     notes.warn(document.where(fmt::format("/meshes/{}/weights", mesh_index)),
                "weights of morph targets that are not there");
   }
-  const auto [indices, selected] = read_corners(
-      document, accessors, source, accessors.count(position_accessor->second), pointer);
+  const Corners corners = read_corners(document, accessors, source,
+                                       accessors.count(position_accessor->second), pointer);
 
   Mesh mesh;
   mesh.name = source_mesh.name.empty() ? fmt::format("mesh {}", mesh_index) : source_mesh.name;
   if (source_mesh.primitives.size() > 1) mesh.name += fmt::format(" [{}]", primitive);
   mesh.material = source.material < 0 ? 0 : static_cast<std::uint32_t>(source.material);
 
-  read_attributes(document, model, accessors, source, selected, pointer, mesh);
+  read_attributes(document, model, accessors, source, corners.selected, pointer, mesh);
 
-  if (mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0) {
-    notes.warn(place, fmt::format("{} corners are no multiple of 3; the last {} are ignored",
-                                  indices.size(), indices.size() % 3));
+  const std::size_t count = corners.indices.size();
+  if (mode == TINYGLTF_MODE_TRIANGLES && corners.restarts.empty() && count % 3 != 0) {
+    notes.warn(place, fmt::format("{} corners are no multiple of 3; the last {} are ignored", count,
+                                  count % 3));
   }
-  mesh.triangles = assemble(indices, mode);
+  mesh.triangles = assemble(corners, mode);
   clean(mesh, place, notes);
   if (mesh.triangles.empty()) {
     notes.warn(place, "no triangle is left; not rendered");

@@ -108,20 +108,44 @@ void check_graph(const Document& document, const tinygltf::Model& model) {
     throw_input_error(document.where(fmt::format("/nodes/{}", lost - reached.begin())),
                       "a node that is its own ancestor", "a tree");
   }
-  for (std::size_t s = 0; s < model.scenes.size(); ++s) {
-    std::vector<bool> listed(model.nodes.size(), false);
-    for (std::size_t i = 0; i < model.scenes[s].nodes.size(); ++i) {
-      const int node = model.scenes[s].nodes[i];
-      const std::string where = document.where(fmt::format("/scenes/{}/nodes/{}", s, i));
-      if (parents[at(node)] != kNone) {
-        throw_input_error(where,
-                          fmt::format("node {}, a child of node {}", node, parents[at(node)]),
-                          "a node without a parent");
-      }
-      if (listed[at(node)]) throw_input_error(where, fmt::format("node {} again", node), "once");
-      listed[at(node)] = true;
-    }
+}
+
+std::vector<int> scene_roots(Document& document, const tinygltf::Model& model, int scene) {
+  const std::vector<int>& listed = model.scenes[at(scene)].nodes;
+  std::vector<int> parents(model.nodes.size(), -1);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    for (const int child : model.nodes[i].children) parents[at(child)] = static_cast<int>(i);
   }
+  std::vector<bool> is_listed(model.nodes.size(), false);
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < listed.size(); ++i) {
+    const int node = listed[i];
+    const std::string pointer = fmt::format("/scenes/{}/nodes/{}", scene, i);
+    if (is_listed[at(node)]) {
+      document.fault(pointer, fmt::format("node {} again", node), "each root once",
+                     "it is taken once");
+      continue;
+    }
+    is_listed[at(node)] = true;
+    roots.push_back(node);
+  }
+  // Below another root it is met in its place; otherwise its parents are in no scene.
+  const auto is_below_a_root = [&](int node) {
+    for (int p = parents[at(node)]; p != -1; p = parents[at(p)]) {
+      if (is_listed[at(p)]) return true;
+    }
+    return false;
+  };
+  std::erase_if(roots, [&](int node) {
+    if (parents[at(node)] == -1) return false;
+    const bool is_below = is_below_a_root(node);
+    document.fault(fmt::format("/scenes/{}/nodes", scene),
+                   fmt::format("node {}, a child of node {}", node, parents[at(node)]),
+                   "nodes without a parent",
+                   is_below ? "it stands where its parent has it" : "it stands without its parent");
+    return is_below;
+  });
+  return roots;
 }
 
 void visit_nodes(Document& document, const tinygltf::Model& model, const std::vector<int>& roots,

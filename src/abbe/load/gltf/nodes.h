@@ -22,6 +22,9 @@ struct PlacedNode {
 /// Errors: input Error at the node.
 void check_graph(const Document& document, const tinygltf::Model& model);
 
+/// The roots of a scene, each once and none below another; what is not so is a fault.
+std::vector<int> scene_roots(Document& document, const tinygltf::Model& model, int scene);
+
 /// Calls `visit` for each node below the given roots, parents before children, in file order.
 /// Chains of any length are walked without recursion.
 /// Errors: input Error when a transform leaves the range of double precision.

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "abbe/base/error.h"
 #include "abbe/image/raster/raster.h"
@@ -31,6 +33,12 @@ void apply_transform(const Fields& transform, TextureUse& use) {
 std::string data_label(const std::string& uri) {
   if (uri.rfind("data:", 0) != 0) return "";
   return uri.substr(5, uri.find_first_of(";,") - 5);
+}
+
+bool is_webp(Bytes bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return text.starts_with("RIFF") &&
+         text.substr(std::min<std::size_t>(8, text.size())).starts_with("WEBP");
 }
 
 void warn_of_label(Document& document, Bytes bytes, const std::string& label,
@@ -80,12 +88,9 @@ std::optional<std::uint32_t> Textures::texture(int index, const std::string& poi
 
   const tinygltf::Texture& source = model_.textures[static_cast<std::size_t>(index)];
   std::optional<std::uint32_t> result;
-  if (source.source < 0) {
-    document_.notes().warn(document_.where(fmt::format("/textures/{}", index)),
-                           "no source, so the texture used by " + pointer + " is ignored");
-  } else {
+  if (const auto found = image_of(index, pointer)) {
     Texture texture;
-    texture.image = image(source.source);
+    texture.image = *found;
     if (source.sampler >= 0) {
       const tinygltf::Sampler& sampler = model_.samplers[static_cast<std::size_t>(source.sampler)];
       const std::string place = fmt::format("/samplers/{}", source.sampler);
@@ -107,6 +112,22 @@ std::optional<std::uint32_t> Textures::texture(int index, const std::string& poi
   return result;
 }
 
+std::optional<std::uint32_t> Textures::image_of(int texture, const std::string& user) {
+  const std::string pointer = fmt::format("/textures/{}", texture);
+  const Json& json = document_.json()["textures"][static_cast<std::size_t>(texture)];
+  if (const Json* webp = find_extension(json, "EXT_texture_webp")) {
+    return image((*webp)["source"].get<int>(), user);
+  }
+  if (const Json* source = find(&json, "source")) return image(source->get<int>(), user);
+  if (find_extension(json, "KHR_texture_basisu") != nullptr) {
+    throw_input_error(document_.where(pointer), "KHR_texture_basisu, a KTX2 image, alone",
+                      "a source that is a PNG, JPEG or WebP image beside it");
+  }
+  document_.notes().warn(document_.where(pointer),
+                         "no source, so the texture used by " + user + " is ignored");
+  return std::nullopt;
+}
+
 TextureWrap Textures::wrap(int value, const std::string& pointer) {
   switch (value) {
     case TINYGLTF_TEXTURE_WRAP_REPEAT:
@@ -124,7 +145,7 @@ TextureWrap Textures::wrap(int value, const std::string& pointer) {
   }
 }
 
-std::uint32_t Textures::image(int index) {
+std::optional<std::uint32_t> Textures::image(int index, const std::string& user) {
   const auto known = images_.find(index);
   if (known != images_.end()) return known->second;
 
@@ -135,6 +156,11 @@ std::uint32_t Textures::image(int index) {
   if (uri == nullptr && view == nullptr) {
     throw_input_error(document_.where(pointer), "neither uri nor bufferView", "one of them");
   }
+  if (uri != nullptr && !document_.has_uri(uri->get_ref<const std::string&>(), pointer)) {
+    document_.fault(pointer + "/uri", "no file " + describe(*uri), "an existing file",
+                    "the texture used by " + user + " is ignored");
+    return images_.emplace(index, std::nullopt).first->second;
+  }
   const Bytes bytes = uri != nullptr
                           ? document_.read_uri(uri->get_ref<const std::string&>(), pointer + "/uri")
                           : accessors_.view(view->get<int>(), pointer);
@@ -144,6 +170,10 @@ std::uint32_t Textures::image(int index) {
                 : uri != nullptr ? data_label(uri->get_ref<const std::string&>())
                                  : "",
                 pointer);
+  if (is_webp(bytes) && !uses_extension(document_, "EXT_texture_webp")) {
+    document_.fault(pointer, "a WebP image", "PNG or JPEG, or EXT_texture_webp",
+                    "it is read all the same");
+  }
   // Images that share their bytes share their pixels: a small file must not fill the memory.
   const auto same = decoded_.find(bytes.data());
   if (same != decoded_.end()) {

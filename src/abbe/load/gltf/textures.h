@@ -30,7 +30,10 @@ class Textures {
 
  private:
   std::optional<std::uint32_t> texture(int index, const std::string& pointer);
-  std::uint32_t image(int index);
+  /// The image of a texture, by glTF's source or that of an extension.
+  std::optional<std::uint32_t> image_of(int texture, const std::string& user);
+  /// Nothing, with a fault, where the image is not there.
+  std::optional<std::uint32_t> image(int index, const std::string& user);
   TextureWrap wrap(int value, const std::string& pointer);
 
   Document& document_;
@@ -38,7 +41,7 @@ class Textures {
   Accessors& accessors_;
   Scene& scene_;
   std::map<int, std::optional<std::uint32_t>> textures_;
-  std::map<int, std::uint32_t> images_;
+  std::map<int, std::optional<std::uint32_t>> images_;
   std::map<const std::uint8_t*, std::uint32_t> decoded_;
   std::uint64_t pixels_ = 0;
 };

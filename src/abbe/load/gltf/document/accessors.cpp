@@ -174,6 +174,7 @@ Accessors::Run Accessors::run_of(int accessor) {
           tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)),
           a.normalized};
   const std::size_t element = size * static_cast<std::size_t>(run.components);
+  if (a.count == 0) return run;
   if (a.bufferView < 0) {
     // Zeros cost nothing in the file, so the file does not bound their number.
     constexpr std::size_t kMaxZeros = std::size_t{1} << 22;
@@ -372,6 +373,13 @@ std::vector<Vec4f> Accessors::color(int accessor, const std::string& user, Compo
                                     const Selection& selected) {
   check(accessor, user, {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4}, allowed);
   return read<4>(accessor, selected, 1.0f);
+}
+
+std::uint32_t Accessors::largest_index(int accessor) const {
+  const int type = model_.accessors[at(accessor)].componentType;
+  return type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE    ? 0xffu
+         : type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 0xffffu
+                                                          : 0xffffffffu;
 }
 
 std::vector<std::uint32_t> Accessors::indices(int accessor, const std::string& user) {

@@ -41,6 +41,8 @@ class Accessors {
   std::vector<Vec4f> color(int accessor, const std::string& user, Components allowed,
                            const Selection& selected = {});
   std::vector<std::uint32_t> indices(int accessor, const std::string& user);
+  /// The largest value of its unsigned component type.
+  std::uint32_t largest_index(int accessor) const;
 
   std::size_t count(int accessor) const { return model_.accessors[at(accessor)].count; }
 

@@ -31,8 +31,17 @@ class Checker {
   }
 
  private:
+  // Null, or bounds with a NaN: writers of JSON make null of it.
+  static bool is_nothing(const Json& value, const Rule& rule) {
+    const bool is_bound = rule.path.ends_with("/min") || rule.path.ends_with("/max");
+    return value.is_null() ||
+           (is_bound && value.is_array() &&
+            std::any_of(value.begin(), value.end(), [](const Json& v) { return v.is_null(); }));
+  }
+
   // The pointer is built only on the way out of an error: a vector of steps costs nothing else.
-  std::string where() const {
+  std::string where() const { return document_.where(pointer()); }
+  std::string pointer() const {
     std::string pointer;
     for (const Step& step : steps_) {
       pointer += '/';
@@ -46,7 +55,7 @@ class Checker {
         }
       }
     }
-    return document_.where(pointer);
+    return pointer;
   }
 
   void visit(Json& value, const Rule& rule, std::string_view path) {
@@ -69,7 +78,14 @@ class Checker {
       }
       return;
     }
-    const auto member = value.find(head);
+    auto member = value.find(head);
+    if (is_last && member != value.end() && !rule.required && is_nothing(*member, rule)) {
+      steps_.push_back({head, 0});
+      document_.fault(pointer(), "null", expectation(rule), "it is taken as absent");
+      steps_.pop_back();
+      value.erase(member);
+      member = value.end();
+    }
     if (member != value.end()) {
       step_into(*member, {head, 0});
     } else if (is_last && rule.required) {
@@ -150,6 +166,25 @@ class Checker {
   std::size_t target_size_ = 0;
 };
 
+// glTF 2.0, 3.6.2.4: strides are multiples of 4; 0, as some write for "none", is the default.
+void check_strides(Document& document) {
+  if (find(&document.json(), "bufferViews") == nullptr) return;
+  std::size_t i = 0;
+  for (Json& view : document.json()["bufferViews"]) {
+    const std::string pointer = fmt::format("/bufferViews/{}/byteStride", i++);
+    const Json* stride = find(&view, "byteStride");
+    if (stride == nullptr) continue;
+    const auto bytes = stride->get<int>();
+    if (bytes % 4 != 0) {
+      throw_input_error(document.where(pointer), std::to_string(bytes),
+                        "a multiple of 4 from 4 to 252");
+    }
+    if (bytes != 0) continue;
+    document.fault(pointer, "0", "a multiple of 4 from 4 to 252", "its elements are dense");
+    view.erase("byteStride");
+  }
+}
+
 // Understood; what of them is approximated is said where it is read.
 constexpr std::array kUnderstood = {
     "ABBE_light",
@@ -166,7 +201,16 @@ constexpr std::array kUnderstood = {
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    "EXT_texture_webp",
 };
+
+// What a file may do without by its nature, even where it is listed as required: the shape and the
+// placement of everything is right without it.
+bool is_optional(const std::string& name) {
+  return name.starts_with("KHR_materials_") || name == "KHR_xmp" || name == "KHR_xmp_json_ld" ||
+         name == "KHR_animation_pointer" || name == "EXT_lights_image_based" ||
+         name == "MSFT_lod" || name == "AGI_articulations";
+}
 
 // What our own extensions belong to, as a pointer with * for a number.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kHomes{
@@ -246,6 +290,7 @@ void check_structure(Document& document) {
     const std::string path = fmt::format("/{}/*/name", collection);
     checker.check({path, Is::Text});
   }
+  check_strides(document);
   const auto version = json["asset"]["version"].get<std::string>();
   const auto min_version = json["asset"].value("minVersion", Json("2.0"));
   if (version.rfind("2.", 0) != 0) {
@@ -269,10 +314,15 @@ bool uses_extension(const Document& document, const std::string& name) {
 
 void check_extensions(Document& document) {
   warn_of_misplaced(document.json(), "", "", document);
-  if (const Json* required = find(&document.json(), "extensionsRequired")) {
+  const Json* required = find(&document.json(), "extensionsRequired");
+  if (required != nullptr) {
     for (std::size_t i = 0; i < required->size(); ++i) {
       const auto name = (*required)[i].get<std::string>();
-      if (!is_understood(name)) {
+      if (is_understood(name)) continue;
+      if (is_optional(name)) {
+        document.fault(fmt::format("/extensionsRequired/{}", i), "the required extension " + name,
+                       "a known one", "it is ignored");
+      } else {
         throw_input_error(document.where(fmt::format("/extensionsRequired/{}", i)),
                           "the required extension " + name, "a known one",
                           {kUnderstood.begin(), kUnderstood.end()});
@@ -282,7 +332,9 @@ void check_extensions(Document& document) {
   if (const Json* used = find(&document.json(), "extensionsUsed")) {
     for (std::size_t i = 0; i < used->size(); ++i) {
       const auto name = (*used)[i].get<std::string>();
-      if (!is_understood(name)) {
+      const bool is_said = required != nullptr && std::find(required->begin(), required->end(),
+                                                            Json(name)) != required->end();
+      if (!is_understood(name) && !is_said) {
         document.notes().warn(document.where(fmt::format("/extensionsUsed/{}", i)),
                               "extension " + name + " is not supported; ignored");
       }

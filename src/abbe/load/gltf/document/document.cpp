@@ -74,8 +74,8 @@ std::size_t nesting_depth(std::string_view json) {
   return deepest;
 }
 
-Document::Document(const std::filesystem::path& file, Notes& notes)
-    : file_name_(file.string()), notes_(notes) {
+Document::Document(const std::filesystem::path& file, Notes& notes, bool strict)
+    : file_name_(file.string()), notes_(notes), is_strict_(strict) {
   Bytes bytes = keep(read_file(file, file_name_, kMaxFileBytes));
   std::error_code error;
   folder_ = std::filesystem::canonical(file.has_parent_path() ? file.parent_path() : ".", error);
@@ -102,6 +102,15 @@ Document::Document(const std::filesystem::path& file, Notes& notes)
                       fmt::format("at most {}", kMaxJsonBytes));
   }
   json_ = parse({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file_name_);
+}
+
+void Document::fault(const std::string& pointer, const std::string& found,
+                     const std::string& expected, const std::string& consequence) {
+  if (is_strict_) throw_input_error(where(pointer), found, expected);
+  if (!first_fault_) {
+    first_fault_ = Error({.where = where(pointer), .found = found, .expected = expected});
+  }
+  notes_.warn(where(pointer), fmt::format("{}, expected {}; {}", found, expected, consequence));
 }
 
 Bytes Document::split_glb(Bytes file) {

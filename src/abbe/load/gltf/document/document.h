@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "abbe/base/error.h"
 #include "abbe/base/notes.h"
 
 namespace abbe::gltf {
@@ -27,8 +28,9 @@ inline constexpr std::uint64_t kMaxFileBytes = std::uint64_t{4} << 30;
 class Document {
  public:
   /// Reads a .gltf or .glb; the content decides which it is.
+  /// With `strict` every fault() is an error.
   /// Errors: input Error when missing, not a regular file, too large, no glTF, nested too deep.
-  Document(const std::filesystem::path& file, Notes& notes);
+  Document(const std::filesystem::path& file, Notes& notes, bool strict = false);
 
   const Json& json() const { return json_; }
   Json& json() { return json_; }
@@ -50,6 +52,9 @@ class Document {
   /// The part of resolve_uri that needs no file: for URIs that are named but not used.
   void check_uri(const std::string& uri, const std::string& pointer) const;
 
+  /// Whether a URI is data: or names a file that is there. Errors: as resolve_uri, but for missing.
+  bool has_uri(const std::string& uri, const std::string& pointer) const;
+
   /// The bytes behind a URI, data: or a file; they live as long as the document.
   Bytes read_uri(const std::string& uri, const std::string& pointer);
   /// The bytes of a file returned by resolve_uri or resolve_path.
@@ -61,6 +66,13 @@ class Document {
   std::string content_hash() const;
 
   Notes& notes() { return notes_; }
+
+  /// Something that breaks a rule and that viewers put up with: a warning that ends with what is
+  /// made of it ("it is not rendered"). Errors: an input Error of a strict document.
+  void fault(const std::string& pointer, const std::string& found, const std::string& expected,
+             const std::string& consequence);
+  /// The first fault as an Error, if there was one: of a file of which nothing is left.
+  const std::optional<Error>& first_fault() const { return first_fault_; }
 
  private:
   Bytes keep(std::vector<std::uint8_t> bytes);
@@ -78,6 +90,8 @@ class Document {
   std::uint64_t bytes_read_ = 0;
   std::uint64_t hash_ = 0xcbf29ce484222325ull;
   Notes& notes_;
+  bool is_strict_;
+  std::optional<Error> first_fault_;
 };
 
 /// Decodes %XX. Errors: input Error at `where` for a broken escape or an encoded NUL.

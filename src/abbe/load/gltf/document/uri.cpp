@@ -152,6 +152,12 @@ void Document::check_uri(const std::string& uri, const std::string& pointer) con
   checked_relative(decoded_uri(uri, pointer), pointer);
 }
 
+bool Document::has_uri(const std::string& uri, const std::string& pointer) const {
+  if (uri.rfind("data:", 0) == 0) return true;
+  std::error_code error;
+  return fs::exists(folder_ / checked_relative(decoded_uri(uri, pointer), pointer), error);
+}
+
 fs::path Document::resolve_uri(const std::string& uri, const std::string& pointer) const {
   return resolve_path(decoded_uri(uri, pointer), pointer);
 }

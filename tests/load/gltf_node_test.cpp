@@ -197,12 +197,5 @@ TEST_F(GltfNode, lights_that_mean_nothing_are_errors) {
   }
 }
 
-TEST_F(GltfNode, skin_is_left_out_with_a_note) {
-  document["skins"] = {{{"joints", {0}}}};
-  node()["skin"] = 0;
-  EXPECT_EQ(load().instances.size(), 1u);
-  EXPECT_THAT(notes_text(), HasSubstr("skins are not applied"));
-}
-
 }  // namespace
 }  // namespace abbe

@@ -92,6 +92,20 @@ TEST(Recipe, of_a_file_has_the_settings_that_made_it) {
   EXPECT_EQ(header_of(read).attributes, header_of(settings).attributes);
 }
 
+TEST(Recipe, of_a_posed_scene_says_when) {
+  PreparedScene posed = prepared();
+  const RenderSettings settings;
+  posed.time_s = 1.0 / 3.0;
+  posed.animation = "walk";
+  ExrHeader header = header_of(settings);
+  EXPECT_FALSE(header.attributes.contains("abbe:time"));
+  header.attributes = provenance(posed, settings, {}, read_standards(test::catalogue()));
+  const std::optional<Recipe> recipe = recipe_of(header);
+  ASSERT_TRUE(recipe);
+  EXPECT_EQ(recipe->scene.time_s, 1.0 / 3.0);
+  EXPECT_EQ(recipe->scene.animation, "walk");
+}
+
 TEST(PreparedScene, name_of_a_camera_is_what_finds_it_again) {
   PreparedScene scene;
   const auto names = [&scene](const std::vector<std::string>& cameras) {

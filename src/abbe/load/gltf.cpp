@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 #include <tiny_gltf.h>
 
+#include <algorithm>
 #include <cmath>
+#include <compare>
+#include <glm/gtc/matrix_transform.hpp>
 #include <map>
 #include <set>
 
@@ -15,6 +18,9 @@
 #include "abbe/load/gltf/lights.h"
 #include "abbe/load/gltf/materials.h"
 #include "abbe/load/gltf/meshes.h"
+#include "abbe/load/gltf/motion/animation.h"
+#include "abbe/load/gltf/motion/attributes.h"
+#include "abbe/load/gltf/motion/skin.h"
 #include "abbe/load/gltf/nodes.h"
 #include "abbe/load/gltf/spectra.h"
 #include "abbe/load/gltf/textures.h"
@@ -62,22 +68,19 @@ tinygltf::Model parse_core(const Document& document) {
 // Turns the nodes of one scene into instances, lights and cameras.
 class Placer {
  public:
-  Placer(Document& document, const tinygltf::Model& model, Accessors& accessors, Spectra& spectra,
-         Scene& scene)
+  Placer(Document& document, const tinygltf::Model& model, Accessors& accessors, Places& places,
+         Spectra& spectra, Scene& scene)
       : document_(document),
         model_(model),
         accessors_(accessors),
+        places_(places),
         spectra_(spectra),
         scene_(scene) {}
 
   void place(const PlacedNode& node) {
     const tinygltf::Node& source = model_.nodes[static_cast<std::size_t>(node.index)];
     const std::string pointer = fmt::format("/nodes/{}", node.index);
-    if (source.skin >= 0) {
-      document_.notes().warn(document_.where(pointer + "/skin"),
-                             "skins are not applied: the mesh is rendered as it was modelled");
-    }
-    if (source.mesh >= 0) place_mesh(node, source.mesh, pointer);
+    if (source.mesh >= 0) place_mesh(node, pointer);
     if (source.camera >= 0) {
       Camera camera = read_camera(document_, source.camera);
       if (camera.name.empty()) camera.name = node.name;
@@ -94,17 +97,78 @@ class Placer {
   }
 
  private:
-  // What a mesh of the file became, made when the first node uses it.
-  struct Converted {
+  // Meshes of the scene that are placed together.
+  struct Group {
     std::vector<std::uint32_t> meshes;
-    std::optional<Shape> shape;
     Box3f bounds;
     std::uint64_t triangles = 0;
   };
 
-  const Converted& converted(int mesh) {
-    const auto known = converted_.find(mesh);
+  // What a mesh of the file became, made when the first node uses it so. What a skin moves stands
+  // where its joints are, all else where the node is.
+  struct Converted {
+    Group rigid, skinned;
+    std::optional<Shape> shape;
+  };
+
+  // One geometry: a mesh of the file, and how it is deformed.
+  struct Use {
+    int mesh = -1;
+    int skin = -1;
+    std::vector<double> weights;  // None where all are 0.
+    auto operator<=>(const Use&) const = default;
+  };
+
+  Use use_of(const PlacedNode& node, const std::string& pointer) {
+    const tinygltf::Node& source = model_.nodes[static_cast<std::size_t>(node.index)];
+    const tinygltf::Mesh& mesh = model_.meshes[static_cast<std::size_t>(source.mesh)];
+    Use use{source.mesh, -1, morph_weights(source, mesh, places_.pose_of(node.index), pointer)};
+    if (source.skin < 0) return use;
+    const bool can_be_skinned =
+        std::any_of(mesh.primitives.begin(), mesh.primitives.end(), has_joints);
+    if (can_be_skinned && !read_shape(document_, source.mesh)) {
+      use.skin = source.skin;
+    } else {
+      document_.fault(pointer + "/skin", "a skin for a mesh without JOINTS_0 and WEIGHTS_0",
+                      "a mesh with both", "the mesh stands where its node is");
+    }
+    return use;
+  }
+
+  std::vector<double> morph_weights(const tinygltf::Node& node, const tinygltf::Mesh& mesh,
+                                    const NodePose* pose, const std::string& pointer) {
+    const std::size_t targets = mesh.primitives.empty() ? 0 : mesh.primitives[0].targets.size();
+    const bool is_posed = pose != nullptr && !pose->weights.empty();
+    const bool is_of_node = !node.weights.empty();
+    std::vector<double> weights = is_posed     ? pose->weights
+                                  : is_of_node ? node.weights
+                                               : mesh.weights;
+    if (!weights.empty() && weights.size() != targets) {
+      document_.fault(
+          is_of_node ? pointer + "/weights" : fmt::format("/meshes/{}/weights", node.mesh),
+          fmt::format("{} weights", weights.size()),
+          fmt::format("one for each of {} morph targets", targets),
+          "those that are missing are 0, and others ignored");
+      weights.resize(targets, 0.0);
+    }
+    const bool are_none =
+        std::all_of(weights.begin(), weights.end(), [](double weight) { return weight == 0.0; });
+    return are_none ? std::vector<double>{} : weights;
+  }
+
+  const PosedSkin& posed_skin(int skin) {
+    const auto known = skins_.find(skin);
+    if (known != skins_.end()) return known->second;
+    return skins_
+        .emplace(skin, read_skin(document_, accessors_, skin,
+                                 [this](int joint) { return places_.to_world(joint); }))
+        .first->second;
+  }
+
+  const Converted& converted(const Use& use) {
+    const auto known = converted_.find(use);
     if (known != converted_.end()) return known->second;
+    const int mesh = use.mesh;
     Converted result;
     const tinygltf::Mesh& source = model_.meshes[static_cast<std::size_t>(mesh)];
     result.shape = read_shape(document_, mesh);
@@ -116,24 +180,27 @@ class Placer {
         document_.notes().warn(document_.where(fmt::format("/meshes/{}/primitives", mesh)),
                                "an ABBE_shape has one material: that of the first primitive");
       }
-      return converted_.emplace(mesh, std::move(result)).first->second;
+      return converted_.emplace(use, std::move(result)).first->second;
     }
     if (source.primitives.empty()) {
       document_.fault(fmt::format("/meshes/{}/primitives", mesh), "no primitive", "one or more",
                       "the mesh is not rendered");
     }
+    const Deformation deformation{use.weights, use.skin < 0 ? nullptr : &posed_skin(use.skin)};
     for (std::size_t i = 0; i < source.primitives.size(); ++i) {
-      std::optional<Mesh> read = read_primitive(document_, model_, accessors_, mesh, i);
+      std::optional<Mesh> read =
+          read_primitive(document_, model_, accessors_, mesh, i, deformation);
       if (!read) continue;
       read->material = material_index(source.primitives[i].material);
       warn_of_missing_uv(*read, fmt::format("/meshes/{}/primitives/{}", mesh, i));
       turn_outward(*read, fmt::format("/meshes/{}/primitives/{}", mesh, i));
-      for (const Vec3f& position : read->positions) result.bounds.extend(position);
-      result.triangles += read->triangles.size();
-      result.meshes.push_back(static_cast<std::uint32_t>(scene_.meshes.size()));
+      Group& group = read->joints > 0 ? result.skinned : result.rigid;
+      for (const Vec3f& position : read->positions) group.bounds.extend(position);
+      group.triangles += read->triangles.size();
+      group.meshes.push_back(static_cast<std::uint32_t>(scene_.meshes.size()));
       scene_.meshes.push_back(std::move(*read));
     }
-    return converted_.emplace(mesh, std::move(result)).first->second;
+    return converted_.emplace(use, std::move(result)).first->second;
   }
 
   // glTF's default material is made when the first primitive without one appears.
@@ -176,81 +243,98 @@ class Placer {
                                        shells.closed == 1 ? "surface is" : "surfaces are"));
   }
 
-  void place_mesh(const PlacedNode& node, int mesh, const std::string& pointer) {
-    const Converted& source = converted(mesh);
-    if (!source.shape && source.meshes.empty()) return;
-    if (!is_placeable(node, source, pointer)) return;
-    count(source, pointer);
+  void place_mesh(const PlacedNode& node, const std::string& pointer) {
+    const Use use = use_of(node, pointer);
+    const Converted& source = converted(use);
     if (source.shape) {
+      const Vec3d center(node.to_world[3]);
+      if (is_flat(node.to_world, pointer) || is_far(center, pointer)) return;
+      count(*source.shape, pointer);
       scene_.instances.push_back({node.name, *source.shape, node.to_world});
+      return;
     }
-    for (const std::uint32_t index : source.meshes) {
-      scene_.instances.push_back({node.name, index, node.to_world});
+    place_group(source.rigid, node.to_world, node.name, pointer);
+    if (use.skin >= 0) {
+      place_group(source.skinned, glm::translate(Mat4d(1.0), posed_skin(use.skin).origin),
+                  node.name, pointer);
     }
   }
 
-  bool is_placeable(const PlacedNode& node, const Converted& source, const std::string& pointer) {
-    const Mat3d linear(node.to_world);
-    const double volume = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
-    if (!(std::abs(glm::determinant(linear)) > 1e-12 * volume)) {
-      document_.notes().warn(document_.where(pointer),
-                             "its transform flattens the mesh (a scale of 0); not rendered");
-      return false;
-    }
-    constexpr double kFarthest_m = 1e9;  // As for the vertices of a mesh.
-    double farthest_m = 0.0;
-    for (int corner = 0; corner < 8 && !source.bounds.is_empty(); ++corner) {
-      const Box3f& box = source.bounds;
+  void place_group(const Group& group, const Mat4d& to_world, const std::string& name,
+                   const std::string& pointer) {
+    if (group.meshes.empty() || is_flat(to_world, pointer)) return;
+    Vec3d farthest(0.0);
+    for (int corner = 0; corner < 8 && !group.bounds.is_empty(); ++corner) {
+      const Box3f& box = group.bounds;
       const Vec4d point((corner & 1) != 0 ? box.high.x : box.low.x,
                         (corner & 2) != 0 ? box.high.y : box.low.y,
                         (corner & 4) != 0 ? box.high.z : box.low.z, 1.0);
-      const Vec3d placed(node.to_world * point);
-      farthest_m =
-          std::max({farthest_m, std::abs(placed.x), std::abs(placed.y), std::abs(placed.z)});
+      farthest = glm::max(farthest, glm::abs(Vec3d(to_world * point)));
     }
-    if (source.shape) {
-      const Vec3d center(node.to_world[3]);
-      farthest_m = std::max({std::abs(center.x), std::abs(center.y), std::abs(center.z)});
+    if (is_far(farthest, pointer)) return;
+    count(group, pointer);
+    for (const std::uint32_t index : group.meshes) {
+      scene_.instances.push_back({name, index, to_world});
     }
-    if (!(farthest_m <= kFarthest_m)) {
-      document_.notes().warn(document_.where(pointer),
-                             fmt::format("reaches beyond {:g} m; not rendered", kFarthest_m));
+  }
+
+  bool is_flat(const Mat4d& to_world, const std::string& pointer) {
+    const Mat3d linear(to_world);
+    const double volume = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
+    if (std::abs(glm::determinant(linear)) > 1e-12 * volume) return false;
+    document_.notes().warn(document_.where(pointer),
+                           "its transform flattens the mesh (a scale of 0); not rendered");
+    return true;
+  }
+
+  bool is_far(const Vec3d& place, const std::string& pointer) {
+    constexpr double kFarthest_m = 1e9;  // As for the vertices of a mesh.
+    if (std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)}) <= kFarthest_m) {
       return false;
     }
+    document_.notes().warn(document_.where(pointer),
+                           fmt::format("reaches beyond {:g} m; not rendered", kFarthest_m));
     return true;
   }
 
   // Instances multiply what one mesh costs: a small file must not describe an endless scene.
-  void count(const Converted& source, const std::string& pointer) {
+  void count(const Group& group, const std::string& pointer) {
     constexpr std::uint64_t kMaxTriangles = std::uint64_t{1} << 28;
-    constexpr std::uint64_t kMaxInstances = std::uint64_t{1} << 22;
-    constexpr std::uint64_t kMaxPlanes = std::uint64_t{1} << 20;
-    if (source.shape) {
-      const auto* body = std::get_if<ConvexShape>(&source.shape->geometry);
-      placed_planes_ += body == nullptr ? 0 : body->planes.size();
-      if (placed_planes_ > kMaxPlanes) {
-        throw_input_error(document_.where(pointer), "more planes of convex bodies",
-                          fmt::format("at most {}", kMaxPlanes));
-      }
-    }
-    placed_triangles_ += source.triangles;
+    placed_triangles_ += group.triangles;
     if (placed_triangles_ > kMaxTriangles) {
       throw_input_error(document_.where(pointer),
                         fmt::format("{} triangles in the scene", placed_triangles_),
                         fmt::format("at most {}", kMaxTriangles));
     }
-    if (scene_.instances.size() + source.meshes.size() + 1 > kMaxInstances) {
-      throw_input_error(document_.where(pointer), "more instances",
-                        fmt::format("at most {}", kMaxInstances));
+    count_instances(group.meshes.size(), pointer);
+  }
+
+  void count(const Shape& shape, const std::string& pointer) {
+    constexpr std::uint64_t kMaxPlanes = std::uint64_t{1} << 20;
+    const auto* body = std::get_if<ConvexShape>(&shape.geometry);
+    placed_planes_ += body == nullptr ? 0 : body->planes.size();
+    if (placed_planes_ > kMaxPlanes) {
+      throw_input_error(document_.where(pointer), "more planes of convex bodies",
+                        fmt::format("at most {}", kMaxPlanes));
     }
+    count_instances(1, pointer);
+  }
+
+  void count_instances(std::size_t more, const std::string& pointer) {
+    constexpr std::uint64_t kMaxInstances = std::uint64_t{1} << 22;
+    if (scene_.instances.size() + more <= kMaxInstances) return;
+    throw_input_error(document_.where(pointer), "more instances",
+                      fmt::format("at most {}", kMaxInstances));
   }
 
   Document& document_;
   const tinygltf::Model& model_;
   Accessors& accessors_;
+  Places& places_;
   Spectra& spectra_;
   Scene& scene_;
-  std::map<int, Converted> converted_;
+  std::map<Use, Converted> converted_;
+  std::map<int, PosedSkin> skins_;
   std::optional<std::uint32_t> default_material_;
   std::uint64_t placed_triangles_ = 0;
   std::uint64_t placed_planes_ = 0;
@@ -294,6 +378,7 @@ Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
   gltf::check_extensions(document);
   const tinygltf::Model model = gltf::parse_core(document);
   gltf::check_graph(document, model);
+  gltf::check_animations(document);
 
   Scene scene;
   gltf::Accessors accessors(document, model);
@@ -316,9 +401,14 @@ Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
     roots = gltf::parentless_nodes(model);
     notes.info(document.file_name(), "the file has no scene; all its nodes are taken");
   }
-  gltf::Placer placer(document, model, accessors, spectra, scene);
-  gltf::visit_nodes(document, model, roots,
-                    [&placer](const gltf::PlacedNode& node) { placer.place(node); });
+  scene.animations = gltf::list_animations(document, accessors);
+  gltf::Pose pose;
+  if (options.time_s) {
+    pose = gltf::pose_at(document, model, accessors, *options.time_s, options.animation);
+  }
+  gltf::Places places(document, model, std::move(pose));
+  gltf::Placer placer(document, model, accessors, places, spectra, scene);
+  for (const gltf::PlacedNode& node : places.place(roots)) placer.place(node);
   if (scene.instances.empty()) {
     // Nothing but what is wrong with the file says why.
     if (document.first_fault()) throw *document.first_fault();

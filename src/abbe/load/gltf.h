@@ -14,7 +14,10 @@ namespace abbe {
 /// What of a file is loaded.
 struct LoadOptions {
   std::optional<std::string> scene_name;  ///< Which scene of the file; default: the file's own.
-  bool strict = false;  ///< What viewers put up with is an error instead of a warning.
+  /// Posed by the file's animations at this time; absent: as the file rests.
+  std::optional<double> time_s = {};
+  std::string animation = {};  ///< By name, or by number from 0; empty: all of them.
+  bool strict = false;         ///< What viewers put up with is an error instead of a warning.
 };
 
 /// Reads, checks and understands a glTF file. Everything ignored or approximated becomes a note.

@@ -168,6 +168,8 @@ struct Mesh {
   std::vector<Vec4f> colors_rec709;  ///< COLOR_0, multiplies the base colour.
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::uint32_t material = 0;
+  /// What of its file may move its vertices; where they stand, they have been moved already.
+  std::uint32_t morph_targets = 0, joints = 0;
 };
 
 /// A ball about the origin of its node's space.
@@ -304,6 +306,12 @@ struct Fog {
   Reflectance albedo;  ///< Share of what it takes from light that it scatters.
 };
 
+/// An animation of the file, as a choice: a scene is at rest, or posed where it was loaded.
+struct Animation {
+  std::string name;
+  double length_s = 0.0;  ///< From time 0 to its last key.
+};
+
 /// All that a file says of one scene. Made by load/ or by hand; immutable while it is rendered.
 /// Domain: validate() (validation.h) passes; a renderer relies on it and checks nothing again. A
 ///         scene without cameras is rendered after add_default_camera(), one without light may get
@@ -321,6 +329,7 @@ struct Scene {
   std::optional<Ambient> ambient;
   std::shared_ptr<const Environment> environment;  ///< Null: none.
   std::optional<Fog> fog;
+  std::vector<Animation> animations;
   bool uses_abbe =
       false;  ///< Whether its file has an extension of ours: it can say what lights it.
   /// Whether surfaces that emit light others where their material leaves it open.

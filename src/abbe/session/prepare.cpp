@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -77,6 +78,26 @@ std::shared_ptr<const Environment> environment_of(const std::filesystem::path& f
   return environment;
 }
 
+void check_time(const SceneChoice& choice) {
+  if (!choice.time_s && !choice.animation.empty()) {
+    throw_usage_error("animation", in_quotes(choice.animation), "a `time_s` at which to see it");
+  }
+  if (choice.time_s && !std::isfinite(*choice.time_s)) {
+    throw_usage_error("time_s", fmt::format("{}", *choice.time_s), "seconds");
+  }
+}
+
+// Frames the scene at rest, but for a scene whose zero is at `origin_m`.
+Camera camera_at_rest(const SceneChoice& choice, const Catalogue& catalogue,
+                      const Vec3d& origin_m) {
+  LoadOptions load;
+  if (!choice.scene.empty()) load.scene_name = choice.scene;
+  Notes said_already;
+  Camera camera = framing_camera(load_gltf(choice.file, catalogue, load, said_already));
+  camera.to_world[3] -= Vec4d(origin_m, 0.0);
+  return camera;
+}
+
 // What lights the scene, by choice or by the lack of it.
 void light_scene(const SceneChoice& choice, const Catalogue& catalogue, PreparedScene& prepared,
                  Notes& notes) {
@@ -142,10 +163,15 @@ std::string PreparedScene::camera_name() const {
 PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogue, Notes& notes) {
   LoadOptions load;
   load.strict = choice.strict;
+  load.time_s = choice.time_s;
+  load.animation = choice.animation;
   if (!choice.scene.empty()) load.scene_name = choice.scene;
   for (const Note& note : catalogue.notes().all()) notes.warn(note.where, note.text);
   PreparedScene prepared;
+  check_time(choice);
   prepared.scene = load_gltf(choice.file, catalogue, load, notes);
+  prepared.time_s = choice.time_s;
+  if (choice.time_s) prepared.animation = choice.animation;
   const bool wants_frame = choice.camera == kFrame && !has_camera(prepared.scene, kFrame);
   std::optional<std::size_t> seen_through;
   if (!prepared.scene.cameras.empty() && !wants_frame) {
@@ -156,7 +182,8 @@ PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogu
   prepared.has_default_camera = wants_frame || prepared.scene.cameras.empty();
   if (prepared.has_default_camera) {
     // Seen first: a name may be one of the scene's.
-    Camera framing = framing_camera(prepared.scene);
+    Camera framing = choice.time_s ? camera_at_rest(choice, catalogue, prepared.scene.origin_m)
+                                   : framing_camera(prepared.scene);
     if (wants_frame) framing.name = kFrame;
     notes.info("", wants_frame ? "seen by a camera that frames the scene"
                                : "the scene has no camera: seen by a default one that frames it");

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "abbe/base/notes.h"
@@ -19,8 +20,11 @@ struct SceneChoice {
   /// By name, or by number from 0: `#N` where a name may be a number; empty: the first. `frame`,
   /// where no camera has that name: one that frames the scene, though the file has cameras.
   std::string camera = {};
-  bool strict = false;    ///< What viewers put up with in a file is an error.
-  std::string lamp = {};  ///< Spectrum of the catalogue for all lamps; empty: the scene's own.
+  /// When: the file's animations pose it; absent: as it rests.
+  std::optional<double> time_s = {};
+  std::string animation = {};  ///< By name or number; empty: all, the first of those that collide.
+  bool strict = false;         ///< What viewers put up with in a file is an error.
+  std::string lamp = {};       ///< Spectrum of the catalogue for all lamps; empty: the scene's own.
   /// An image of light from all around, instead of what the file has; empty: the file's own.
   std::filesystem::path environment = {};
   Rig rig = Rig::Auto;
@@ -44,6 +48,8 @@ struct PreparedScene {
   /// `image:HASH` of the file that SceneChoice::environment named; empty without one.
   std::string environment_id;
   LightsOthers emissive_light = LightsOthers::Auto;  ///< As chosen.
+  std::optional<double> time_s = {};                 ///< As chosen.
+  std::string animation = {};                        ///< As chosen, of a scene that is posed.
   bool has_default_camera = false;                   ///< One that frames, asked for or not.
 
   /// Errors: a usage Error where `camera` is none of the scene's.
@@ -53,9 +59,10 @@ struct PreparedScene {
   std::string camera_name() const;
 };
 
-/// Loads the scene, adds a default camera where there is none and a rig as add_rig() has it, and
-/// picks the camera. What was ignored or chosen for the scene becomes notes.
-/// Errors: an input Error for a file; a usage Error for an unknown scene, camera or lamp, or for an
+/// Loads the scene, adds a default camera where there is none (it frames the scene at rest, so that
+/// what moves is seen to move) and a rig as add_rig() has it, and picks the camera. What was
+/// ignored or chosen for the scene becomes notes. Errors: an input Error for a file; a usage Error
+/// for an unknown scene, camera or lamp, or for an
 ///         environment beside a rig.
 PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogue, Notes& notes);
 

@@ -84,7 +84,7 @@ void add_inspect_command(CLI::App& program, ExitCode& code) {
   add_shown(command, "--camera", arguments->choice.camera, "NAME",
             "camera to mark as chosen; frame: one that frames the scene (default: the first)");
   add_light_options(command, arguments->choice, arguments->rig, arguments->emissive_light);
-  add_strict_option(command, arguments->choice);
+  add_reading_options(command, arguments->choice);
   command.add_flag("--json", arguments->as_json, "print JSON");
   command.callback([arguments, &code] { code = run_inspect(*arguments); });
 }

@@ -52,6 +52,8 @@ Description describe_mesh(const Mesh& mesh, std::size_t number, const Scene& sce
   if (!mesh.uv[1].empty()) attributes.push_back("UV 1");
   if (!mesh.colors_rec709.empty()) attributes.push_back("colours");
   if (!attributes.empty()) out["attributes"] = std::move(attributes);
+  if (mesh.morph_targets > 0) out["morph_targets"] = mesh.morph_targets;
+  if (mesh.joints > 0) out["joints"] = mesh.joints;
   out["material"] = name_or_number(scene.materials[mesh.material].name, mesh.material);
   return out;
 }
@@ -119,6 +121,12 @@ Description describe_scene(const PreparedScene& prepared, Notes& notes) {
   out["rig"] = rig_name(prepared.rig.rig);
   out["default_camera"] = prepared.has_default_camera;
   out["bounds"] = describe_bounds(prepared.bounds, scene.origin_m);
+
+  out["animations"] = Description::array();
+  for (const Animation& animation : scene.animations) {
+    out["animations"].push_back({{"name", animation.name}, {"length_s", animation.length_s}});
+  }
+  if (prepared.time_s) out["time_s"] = *prepared.time_s;
 
   out["cameras"] = Description::array();
   for (std::size_t i = 0; i < scene.cameras.size(); ++i) {

@@ -13,8 +13,9 @@ struct Field {
   std::string_view name, option;
 };
 
-constexpr std::array<Field, 37> kFields{{{"accelerator", "--accel"},
+constexpr std::array<Field, 39> kFields{{{"accelerator", "--accel"},
                                          {"adaptation", "--adaptation"},
+                                         {"animation", "--animation"},
                                          {"aovs", "--aov"},
                                          {"bands", "--bands"},
                                          {"camera", "--camera"},
@@ -44,6 +45,7 @@ constexpr std::array<Field, 37> kFields{{{"accelerator", "--accel"},
                                          {"scene", "--scene"},
                                          {"size", "--size"},
                                          {"threads", "--threads"},
+                                         {"time_s", "--time"},
                                          {"tile_size", "--tiles"},
                                          {"uplift", "--uplift"},
                                          {"view", "--view"},

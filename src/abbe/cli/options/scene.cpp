@@ -12,11 +12,16 @@ namespace abbe {
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("SCENE", options.choice.file, "glTF scene, .gltf or .glb")->required();
-  add_strict_option(command, options.choice);
+  add_reading_options(command, options.choice);
   add_view_options(command, options);
 }
 
-void add_strict_option(CLI::App& command, SceneChoice& choice) {
+void add_reading_options(CLI::App& command, SceneChoice& choice) {
+  add_number(command, "--time", choice.time_s, "SECONDS",
+             "when to see the scene: its animations pose it (default: as it rests)");
+  add_shown(command, "--animation", choice.animation, "NAME",
+            "which of the file's animations, by name or by number from 0 (default: all; of those "
+            "that move the same, the first)");
   command.add_flag("--strict", choice.strict,
                    "what viewers put up with in a file is an error instead of a warning");
 }

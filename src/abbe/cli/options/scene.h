@@ -26,8 +26,8 @@ void add_scene_options(CLI::App& command, SceneOptions& options);
 /// The same without the scene's file.
 void add_view_options(CLI::App& command, SceneOptions& options);
 
-/// --strict, of what reads a scene.
-void add_strict_option(CLI::App& command, SceneChoice& choice);
+/// How a file is read, of `render` and of `inspect`: --time, --animation, --strict.
+void add_reading_options(CLI::App& command, SceneChoice& choice);
 
 /// --environment, --rig and --emissive-light, of `render` and of `inspect`.
 void add_light_options(CLI::App& command, SceneChoice& choice, std::string& rig,

@@ -82,6 +82,8 @@ std::string render_command(const Recipe& recipe) {
     command.add("--crop", fmt::format("{},{},{},{}", crop.x0, crop.y0, crop.x1, crop.y1));
   }
   command.add_given("--scene", recipe.scene.scene);
+  if (recipe.scene.time_s) command.add("--time", *recipe.scene.time_s);
+  command.add_given("--animation", recipe.scene.animation);
   command.add("--mode", mode_name(settings.mode));
   command.add("--spp", settings.samples_per_pixel);
   add_wavelengths(settings, command);

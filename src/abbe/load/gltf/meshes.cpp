@@ -10,6 +10,7 @@
 
 #include "abbe/base/error.h"
 #include "abbe/load/gltf/document/check.h"
+#include "abbe/load/gltf/motion/attributes.h"
 
 namespace abbe::gltf {
 namespace {
@@ -195,10 +196,27 @@ void read_attributes(Document& document, const tinygltf::Model& model, Accessors
   }
 }
 
+void move_vertices(Document& document, Accessors& accessors, const tinygltf::Primitive& source,
+                   const Deformation& deformation, const Selection& selected,
+                   const std::string& pointer, Mesh& mesh) {
+  mesh.morph_targets = static_cast<std::uint32_t>(source.targets.size());
+  const auto targets =
+      read_morph_targets(document, accessors, source, deformation.weights, selected, pointer);
+  std::vector<JointSet> joints;
+  std::vector<Mat4d> matrices;
+  if (deformation.skin != nullptr && has_joints(source)) {
+    matrices = deformation.skin->joint_matrices;
+    mesh.joints = static_cast<std::uint32_t>(matrices.size());
+    joints = read_joints(document, accessors, source, matrices.size(), selected, pointer);
+  }
+  deform(mesh, targets, joints, matrices);
+}
+
 }  // namespace
 
 std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& model,
-                                   Accessors& accessors, int mesh_index, std::size_t primitive) {
+                                   Accessors& accessors, int mesh_index, std::size_t primitive,
+                                   const Deformation& deformation) {
   const tinygltf::Mesh& source_mesh = model.meshes[static_cast<std::size_t>(mesh_index)];
   const tinygltf::Primitive& source = source_mesh.primitives[primitive];
   const std::string pointer = fmt::format("/meshes/{}/primitives/{}", mesh_index, primitive);
@@ -221,12 +239,6 @@ std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& mo
                    pointer + " is not rendered");
     return std::nullopt;
   }
-  if (!source.targets.empty()) {
-    notes.warn(place, "morph targets are not applied: the base shape is rendered");
-  } else if (!source_mesh.weights.empty()) {
-    notes.warn(document.where(fmt::format("/meshes/{}/weights", mesh_index)),
-               "weights of morph targets that are not there");
-  }
   const Corners corners = read_corners(document, accessors, source,
                                        accessors.count(position_accessor->second), pointer);
 
@@ -243,6 +255,7 @@ std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& mo
                                   count % 3));
   }
   mesh.triangles = assemble(corners, mode);
+  move_vertices(document, accessors, source, deformation, corners.selected, pointer, mesh);
   clean(mesh, place, notes);
   if (mesh.triangles.empty()) {
     notes.warn(place, "no triangle is left; not rendered");

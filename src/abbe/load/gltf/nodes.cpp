@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "abbe/base/error.h"
 
@@ -12,6 +13,17 @@ namespace {
 
 std::size_t at(int index) {
   return static_cast<std::size_t>(index);
+}
+
+constexpr int kNone = -1;
+
+// Of a forest.
+std::vector<int> parents_of(const tinygltf::Model& model) {
+  std::vector<int> parents(model.nodes.size(), kNone);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    for (const int child : model.nodes[i].children) parents[at(child)] = static_cast<int>(i);
+  }
+  return parents;
 }
 
 Mat4d from_matrix(const std::vector<double>& m, const std::string& where, Notes& notes) {
@@ -41,26 +53,36 @@ Mat4d from_matrix(const std::vector<double>& m, const std::string& where, Notes&
   return result;
 }
 
-Mat4d from_trs(const tinygltf::Node& node, const std::string& where, Notes& notes) {
+/// A node's own translation, rotation and scale, or what a pose says instead.
+struct Transform {
+  Vec3d translation{0.0}, scale{1.0};
+  Vec4d rotation{0.0, 0.0, 0.0, 1.0};
+};
+
+Transform transform_of(const tinygltf::Node& node, const NodePose* pose) {
+  Transform own;
+  if (const auto& t = node.translation; t.size() == 3) own.translation = {t[0], t[1], t[2]};
+  if (const auto& r = node.rotation; r.size() == 4) own.rotation = {r[0], r[1], r[2], r[3]};
+  if (const auto& s = node.scale; s.size() == 3) own.scale = {s[0], s[1], s[2]};
+  if (pose == nullptr) return own;
+  return {pose->translation.value_or(own.translation), pose->scale.value_or(own.scale),
+          pose->rotation.value_or(own.rotation)};
+}
+
+Mat4d from_trs(const Transform& transform, const std::string& where, Notes& notes) {
   Mat4d result(1.0);
-  if (node.rotation.size() == 4) {
-    double x = node.rotation[0], y = node.rotation[1], z = node.rotation[2], w = node.rotation[3];
-    const double length = std::sqrt(x * x + y * y + z * z + w * w);
-    if (!(length > 1e-100) || !std::isfinite(length)) {
-      notes.warn(where, "a rotation of length 0; no rotation is used");
-    } else {
-      x /= length, y /= length, z /= length, w /= length;
-      result[0] = Vec4d(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0);
-      result[1] = Vec4d(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0);
-      result[2] = Vec4d(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0);
-    }
+  const double length = glm::length(transform.rotation);
+  if (!(length > 1e-100) || !std::isfinite(length)) {
+    notes.warn(where, "a rotation of length 0; no rotation is used");
+  } else {
+    const Vec4d q = transform.rotation / length;
+    const double x = q.x, y = q.y, z = q.z, w = q.w;
+    result[0] = Vec4d(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0);
+    result[1] = Vec4d(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0);
+    result[2] = Vec4d(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0);
   }
-  if (node.scale.size() == 3) {
-    for (int c = 0; c < 3; ++c) result[c] *= node.scale[at(c)];
-  }
-  if (node.translation.size() == 3) {
-    result[3] = Vec4d(node.translation[0], node.translation[1], node.translation[2], 1.0);
-  }
+  for (int c = 0; c < 3; ++c) result[c] *= transform.scale[c];
+  result[3] = Vec4d(transform.translation, 1.0);
   return result;
 }
 
@@ -76,7 +98,6 @@ bool is_finite(const Mat4d& m) {
 }  // namespace
 
 void check_graph(const Document& document, const tinygltf::Model& model) {
-  constexpr int kNone = -1;
   std::vector<int> parents(model.nodes.size(), kNone);
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     const auto& children = model.nodes[i].children;
@@ -112,10 +133,7 @@ void check_graph(const Document& document, const tinygltf::Model& model) {
 
 std::vector<int> scene_roots(Document& document, const tinygltf::Model& model, int scene) {
   const std::vector<int>& listed = model.scenes[at(scene)].nodes;
-  std::vector<int> parents(model.nodes.size(), -1);
-  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
-    for (const int child : model.nodes[i].children) parents[at(child)] = static_cast<int>(i);
-  }
+  const std::vector<int> parents = parents_of(model);
   std::vector<bool> is_listed(model.nodes.size(), false);
   std::vector<int> roots;
   for (std::size_t i = 0; i < listed.size(); ++i) {
@@ -131,13 +149,13 @@ std::vector<int> scene_roots(Document& document, const tinygltf::Model& model, i
   }
   // Below another root it is met in its place; otherwise its parents are in no scene.
   const auto is_below_a_root = [&](int node) {
-    for (int p = parents[at(node)]; p != -1; p = parents[at(p)]) {
+    for (int p = parents[at(node)]; p != kNone; p = parents[at(p)]) {
       if (is_listed[at(p)]) return true;
     }
     return false;
   };
   std::erase_if(roots, [&](int node) {
-    if (parents[at(node)] == -1) return false;
+    if (parents[at(node)] == kNone) return false;
     const bool is_below = is_below_a_root(node);
     document.fault(fmt::format("/scenes/{}/nodes", scene),
                    fmt::format("node {}, a child of node {}", node, parents[at(node)]),
@@ -148,8 +166,33 @@ std::vector<int> scene_roots(Document& document, const tinygltf::Model& model, i
   return roots;
 }
 
-void visit_nodes(Document& document, const tinygltf::Model& model, const std::vector<int>& roots,
-                 const std::function<void(const PlacedNode&)>& visit) {
+Places::Places(Document& document, const tinygltf::Model& model, Pose pose)
+    : document_(document),
+      model_(model),
+      pose_(std::move(pose)),
+      parents_(parents_of(model)),
+      locals_(model.nodes.size()),
+      worlds_(model.nodes.size()) {}
+
+const NodePose* Places::pose_of(int node) const {
+  const auto found = pose_.find(node);
+  return found == pose_.end() ? nullptr : &found->second;
+}
+
+const Mat4d& Places::local(int node) {
+  std::optional<Mat4d>& known = locals_[at(node)];
+  if (!known) {
+    const tinygltf::Node& source = model_.nodes[at(node)];
+    const std::string where = document_.where(fmt::format("/nodes/{}", node));
+    known =
+        source.matrix.size() == 16
+            ? from_matrix(source.matrix, where + "/matrix", document_.notes())
+            : from_trs(transform_of(source, pose_of(node)), where + "/rotation", document_.notes());
+  }
+  return *known;
+}
+
+std::vector<PlacedNode> Places::place(const std::vector<int>& roots) {
   struct Pending {
     int index;
     Mat4d parent_to_world;
@@ -158,25 +201,41 @@ void visit_nodes(Document& document, const tinygltf::Model& model, const std::ve
   for (auto root = roots.rbegin(); root != roots.rend(); ++root) {
     stack.push_back({*root, Mat4d(1.0)});
   }
+  std::vector<PlacedNode> placed;
   while (!stack.empty()) {
     const Pending pending = stack.back();
     stack.pop_back();
-    const tinygltf::Node& node = model.nodes[at(pending.index)];
-    const std::string where = document.where(fmt::format("/nodes/{}", pending.index));
-    const Mat4d local = node.matrix.size() == 16
-                            ? from_matrix(node.matrix, where + "/matrix", document.notes())
-                            : from_trs(node, where + "/rotation", document.notes());
-    PlacedNode placed{pending.index,
-                      node.name.empty() ? fmt::format("node {}", pending.index) : node.name,
-                      pending.parent_to_world * local};
-    if (!is_finite(placed.to_world)) {
-      throw_input_error(where, "a transform beyond the range of numbers", "finite transforms");
+    const tinygltf::Node& node = model_.nodes[at(pending.index)];
+    const Mat4d to_world = pending.parent_to_world * local(pending.index);
+    if (!is_finite(to_world)) {
+      throw_input_error(document_.where(fmt::format("/nodes/{}", pending.index)),
+                        "a transform beyond the range of numbers", "finite transforms");
     }
-    visit(placed);
+    worlds_[at(pending.index)] = to_world;
+    placed.push_back({pending.index,
+                      node.name.empty() ? fmt::format("node {}", pending.index) : node.name,
+                      to_world});
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
-      stack.push_back({*child, placed.to_world});
+      stack.push_back({*child, to_world});
     }
   }
+  return placed;
+}
+
+Mat4d Places::to_world(int node) {
+  std::vector<int> chain;
+  int top = node;
+  for (; top != kNone && !worlds_[at(top)]; top = parents_[at(top)]) chain.push_back(top);
+  Mat4d world = top == kNone ? Mat4d(1.0) : *worlds_[at(top)];
+  for (auto one = chain.rbegin(); one != chain.rend(); ++one) {
+    world = world * local(*one);
+    if (!is_finite(world)) {
+      throw_input_error(document_.where(fmt::format("/nodes/{}", *one)),
+                        "a transform beyond the range of numbers", "finite transforms");
+    }
+    worlds_[at(*one)] = world;
+  }
+  return world;
 }
 
 Mat4d rigid(const Mat4d& to_world) {

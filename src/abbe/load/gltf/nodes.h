@@ -3,10 +3,12 @@
 
 #include <tiny_gltf.h>
 
-#include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "abbe/load/gltf/document/document.h"
+#include "abbe/load/gltf/motion/animation.h"
 #include "abbe/math/vec.h"
 
 namespace abbe::gltf {
@@ -25,11 +27,32 @@ void check_graph(const Document& document, const tinygltf::Model& model);
 /// The roots of a scene, each once and none below another; what is not so is a fault.
 std::vector<int> scene_roots(Document& document, const tinygltf::Model& model, int scene);
 
-/// Calls `visit` for each node below the given roots, parents before children, in file order.
-/// Chains of any length are walked without recursion.
-/// Errors: input Error when a transform leaves the range of double precision.
-void visit_nodes(Document& document, const tinygltf::Model& model, const std::vector<int>& roots,
-                 const std::function<void(const PlacedNode&)>& visit);
+/// Where the nodes of a file stand in a pose.
+class Places {
+ public:
+  /// The rest outlives this.
+  Places(Document& document, const tinygltf::Model& model, Pose pose);
+
+  /// Places each node below the given roots; parents before children, in file order. Chains of any
+  /// length are walked without recursion.
+  /// Errors: input Error when a transform leaves the range of double precision.
+  std::vector<PlacedNode> place(const std::vector<int>& roots);
+
+  /// Where any node is: of one that was placed, there; of others, what their parents make of it.
+  Mat4d to_world(int node);
+
+  /// What the pose says of a node, if it does.
+  const NodePose* pose_of(int node) const;
+
+ private:
+  const Mat4d& local(int node);
+
+  Document& document_;
+  const tinygltf::Model& model_;
+  Pose pose_;
+  std::vector<int> parents_;
+  std::vector<std::optional<Mat4d>> locals_, worlds_;
+};
 
 /// The placement without scale and shear: −Z and +Y of the node as near as a rotation can have
 /// them.

@@ -3,106 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cstring>
-#include <limits>
 
 #include "abbe/base/error.h"
 #include "abbe/load/gltf/document/check.h"
+#include "abbe/load/gltf/document/components.h"
 
 namespace abbe::gltf {
-namespace {
-
-struct Component {
-  int type;
-  std::size_t size;
-  const char* name;
-};
-constexpr std::array<Component, 6> kComponents{
-    {{TINYGLTF_COMPONENT_TYPE_BYTE, 1, "BYTE"},
-     {TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, 1, "UNSIGNED_BYTE"},
-     {TINYGLTF_COMPONENT_TYPE_SHORT, 2, "SHORT"},
-     {TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, 2, "UNSIGNED_SHORT"},
-     {TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 4, "UNSIGNED_INT"},
-     {TINYGLTF_COMPONENT_TYPE_FLOAT, 4, "FLOAT"}}};
-
-Component component_of(int type) {
-  for (const Component& known : kComponents) {
-    if (known.type == type) return known;
-  }
-  return {type, 0, "an unknown component type"};
-}
-
-const char* type_name(int type) {
-  switch (type) {
-    case TINYGLTF_TYPE_SCALAR:
-      return "SCALAR";
-    case TINYGLTF_TYPE_VEC2:
-      return "VEC2";
-    case TINYGLTF_TYPE_VEC3:
-      return "VEC3";
-    case TINYGLTF_TYPE_VEC4:
-      return "VEC4";
-    default:
-      return "a matrix";
-  }
-}
-
-template <typename T>
-T load(const std::uint8_t* bytes) {
-  T value;
-  std::memcpy(&value, bytes, sizeof(T));  // Files may be unaligned.
-  return value;
-}
-
-// glTF 2.0, 3.11: normalized signed integers map to max(c / max, −1).
-template <typename T>
-float to_float(const std::uint8_t* bytes, bool normalized) {
-  const T value = load<T>(bytes);
-  if constexpr (std::is_same_v<T, float>) return value;
-  if (!normalized) return static_cast<float>(value);
-  return std::max(static_cast<float>(value) / static_cast<float>(std::numeric_limits<T>::max()),
-                  -1.0f);
-}
-
-// A run of elements in memory, and those wanted of it.
-struct Source {
-  const std::uint8_t* data;
-  std::size_t stride;
-  int component_type;
-  int components;
-  bool normalized;
-  const Selection& selected;
-};
-
-template <typename T, int N>
-void decode_as(const Source& source, std::vector<glm::vec<N, float>>& out) {
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const std::size_t at = source.selected ? (*source.selected)[i] : i;
-    const std::uint8_t* element = source.data + at * source.stride;
-    for (int c = 0; c < source.components; ++c) {
-      out[i][c] = to_float<T>(element + static_cast<std::size_t>(c) * sizeof(T), source.normalized);
-    }
-  }
-}
-
-template <int N>
-void decode(const Source& source, std::vector<glm::vec<N, float>>& out) {
-  switch (source.component_type) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return decode_as<std::int8_t, N>(source, out);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return decode_as<std::uint8_t, N>(source, out);
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return decode_as<std::int16_t, N>(source, out);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return decode_as<std::uint16_t, N>(source, out);
-    default:
-      return decode_as<float, N>(source, out);
-  }
-}
-
-}  // namespace
 
 Accessors::Accessors(Document& document, const tinygltf::Model& model)
     : document_(document), model_(model) {
@@ -342,12 +248,15 @@ void Accessors::check(int accessor, const std::string& user, std::initializer_li
       type == TINYGLTF_COMPONENT_TYPE_BYTE || type == TINYGLTF_COMPONENT_TYPE_SHORT;
   if (allowed != Components::FloatOnly && is_unsigned && a.normalized) good = true;
   if (allowed == Components::AnyQuantized && (is_unsigned || is_signed)) good = true;
+  if (allowed == Components::FloatOrNormalized && is_signed && a.normalized) good = true;
   if (!good) {
     throw_input_error(document_.where(user),
                       fmt::format("accessor {} of component type {} ({}){}", accessor, type,
                                   component_of(type).name, a.normalized ? ", normalized" : ""),
                       allowed == Components::FloatOnly ? "FLOAT, or KHR_mesh_quantization"
-                                                       : "FLOAT or a normalized unsigned type");
+                      : allowed == Components::FloatOrNormalized
+                          ? "FLOAT or a normalized type"
+                          : "FLOAT or a normalized unsigned type");
   }
 }
 
@@ -370,9 +279,53 @@ std::vector<Vec4f> Accessors::vec4(int accessor, const std::string& user, Compon
 }
 
 std::vector<Vec4f> Accessors::color(int accessor, const std::string& user, Components allowed,
-                                    const Selection& selected) {
+                                    const Selection& selected, float alpha) {
   check(accessor, user, {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4}, allowed);
-  return read<4>(accessor, selected, 1.0f);
+  return read<4>(accessor, selected, alpha);
+}
+
+std::vector<float> Accessors::scalars(int accessor, const std::string& user, Components allowed) {
+  check(accessor, user, {TINYGLTF_TYPE_SCALAR}, allowed);
+  const std::vector<glm::vec<1, float>> elements = read<1>(accessor, {}, 0.0f);
+  std::vector<float> values(elements.size());
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = elements[i].x;
+  return values;
+}
+
+std::vector<Vec4f> Accessors::joints(int accessor, const std::string& user,
+                                     const Selection& selected) {
+  require_type(accessor, user, {TINYGLTF_TYPE_VEC4});
+  const tinygltf::Accessor& a = model_.accessors[at(accessor)];
+  const bool is_index = a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                        a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+  if (!is_index || a.normalized) {
+    throw_input_error(
+        document_.where(user),
+        fmt::format("accessor {} of component type {} ({}){}", accessor, a.componentType,
+                    component_of(a.componentType).name, a.normalized ? ", normalized" : ""),
+        "UNSIGNED_BYTE or UNSIGNED_SHORT");
+  }
+  return read<4>(accessor, selected, 0.0f);
+}
+
+std::vector<Mat4d> Accessors::matrices(int accessor, const std::string& user) {
+  require_type(accessor, user, {TINYGLTF_TYPE_MAT4});
+  const tinygltf::Accessor& a = model_.accessors[at(accessor)];
+  if (a.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT || a.sparse.isSparse) {
+    throw_input_error(document_.where(user),
+                      fmt::format("{} {}", component_of(a.componentType).name,
+                                  a.sparse.isSparse ? "with sparse values" : ""),
+                      "FLOAT without sparse values");
+  }
+  const Run run = run_of(accessor);
+  std::vector<Mat4d> values(run.count, Mat4d(0.0));
+  for (std::size_t i = 0; run.data != nullptr && i < run.count; ++i) {
+    for (int k = 0; k < 16; ++k) {
+      values[i][k / 4][k % 4] = static_cast<double>(
+          load<float>(run.data + i * run.stride + static_cast<std::size_t>(k) * sizeof(float)));
+    }
+  }
+  return values;
 }
 
 std::uint32_t Accessors::largest_index(int accessor) const {

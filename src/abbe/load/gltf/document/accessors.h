@@ -16,8 +16,9 @@ namespace abbe::gltf {
 /// Which component types an attribute may have besides float.
 enum class Components {
   FloatOnly,
-  FloatOrUnorm,  ///< Also normalized unsigned 8 and 16 bit: texture coordinates and colours.
-  AnyQuantized,  ///< Also what KHR_mesh_quantization allows: signed and not normalized ones.
+  FloatOrUnorm,       ///< Also normalized unsigned 8 and 16 bit: texture coordinates and colours.
+  FloatOrNormalized,  ///< Also normalized signed ones: animated rotations and weights.
+  AnyQuantized,       ///< Also what KHR_mesh_quantization allows: signed and not normalized ones.
 };
 
 /// Some of an accessor's elements, by rising index; nothing means all.
@@ -37,9 +38,13 @@ class Accessors {
                           const Selection& selected = {});
   std::vector<Vec4f> vec4(int accessor, const std::string& user, Components allowed,
                           const Selection& selected = {});
-  /// VEC3 or VEC4; a missing fourth component is 1.
+  /// VEC3 or VEC4; a missing fourth component is `alpha`.
   std::vector<Vec4f> color(int accessor, const std::string& user, Components allowed,
-                           const Selection& selected = {});
+                           const Selection& selected = {}, float alpha = 1.0f);
+  std::vector<float> scalars(int accessor, const std::string& user, Components allowed);
+  /// Indices of joints, as floats, which are exact.
+  std::vector<Vec4f> joints(int accessor, const std::string& user, const Selection& selected);
+  std::vector<Mat4d> matrices(int accessor, const std::string& user);
   std::vector<std::uint32_t> indices(int accessor, const std::string& user);
   /// The largest value of its unsigned component type.
   std::uint32_t largest_index(int accessor) const;

@@ -16,7 +16,7 @@ namespace {
 
 // Elements whose optional name is used in messages.
 constexpr std::array kNamed = {"scenes", "nodes",    "meshes",   "materials", "cameras",
-                               "images", "textures", "samplers", "accessors"};
+                               "images", "textures", "samplers", "accessors", "animations"};
 
 class Checker {
  public:

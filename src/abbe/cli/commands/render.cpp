@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -16,6 +18,7 @@
 #include "abbe/base/file.h"
 #include "abbe/cli/commands/commands.h"
 #include "abbe/cli/commands/interrupt.h"
+#include "abbe/cli/options/frames.h"
 #include "abbe/cli/options/outputs.h"
 #include "abbe/cli/options/typed.h"
 #include "abbe/cli/print/console.h"
@@ -48,13 +51,14 @@ void write_images(const RenderArguments& arguments, Image image) {
 }
 
 // Settles how display images are exposed. Returns the EV that belongs to the scene: what it states,
-// else what a look at the whole image says.
+// else what a look at the whole image says; in a sequence, at the first one: `metered`.
 double settle_exposure(RenderArguments& arguments, const PreparedScene& prepared,
-                       const LitWorld& world, const Console& console) {
+                       const LitWorld& world, const Console& console,
+                       std::optional<double>& metered) {
   DisplayOptions& display = arguments.display.options;
   const std::optional<double> stated = prepared.scene.exposure_ev;
-  std::optional<double> metered;
-  if (!stated || display.auto_exposure) {
+  const bool is_new = !metered;
+  if (is_new && (!stated || display.auto_exposure)) {
     metered = metered_exposure_ev(prepared, arguments.scene.settings, world);
   }
   const double of_scene = stated ? *stated : *metered;
@@ -65,7 +69,7 @@ double settle_exposure(RenderArguments& arguments, const PreparedScene& prepared
     display.exposure_ev = of_scene;
   }
   display.auto_exposure = false;
-  if (is_metered && !sorted_outputs(arguments.outputs).rasters.empty()) {
+  if (is_metered && is_new && !sorted_outputs(arguments.outputs).rasters.empty()) {
     console.say(fmt::format("note: shown at {:+.2f} EV, by a look at the whole image (--exposure)",
                             *metered));
   }
@@ -109,7 +113,9 @@ void check_render_arguments(RenderArguments& arguments) {
   }
 }
 
-ExitCode run_render(RenderArguments& arguments) {
+namespace {
+
+ExitCode render_one(RenderArguments& arguments, std::optional<double>& metered_ev) {
   const Clock::time_point start = Clock::now();
   check_render_arguments(arguments);
   const Console console(arguments.quiet);
@@ -131,7 +137,7 @@ ExitCode run_render(RenderArguments& arguments) {
 
   const InterruptGuard interrupt;
   console.show(notes);
-  const double exposure_ev = settle_exposure(arguments, prepared, world, console);
+  const double exposure_ev = settle_exposure(arguments, prepared, world, console, metered_ev);
   ProgressLine progress(console.is_live());
   Film film(film_options(settings));
   const RenderResult result = render(
@@ -159,6 +165,45 @@ ExitCode run_render(RenderArguments& arguments) {
   }
   console.say(summary(arguments, result, times));
   return result.complete ? ExitCode::Done : ExitCode::Interrupted;
+}
+
+// The arguments of one frame of a sequence.
+RenderArguments frame_arguments(const RenderArguments& arguments, std::uint32_t frame) {
+  RenderArguments one = arguments;
+  constexpr double kCinema = 24.0;
+  one.scene.choice.time_s = frame / arguments.frames_per_second.value_or(kCinema);
+  for (std::string& file : one.outputs) file = frame_file(file, frame, "-o");
+  if (!one.stats_file.empty()) one.stats_file = frame_file(one.stats_file, frame, "--stats");
+  return one;
+}
+
+void check_sequence(const RenderArguments& arguments) {
+  if (arguments.frames.empty()) {
+    if (!arguments.frames_per_second) return;
+    throw_usage_error("--fps", fmt::format("{}", *arguments.frames_per_second), "--frames with it");
+  }
+  if (arguments.scene.choice.time_s) {
+    throw_usage_error("--time", "a time beside --frames", "one of the two");
+  }
+  const double fps = arguments.frames_per_second.value_or(1.0);
+  if (!(fps > 0.0) || !std::isfinite(fps)) {
+    throw_usage_error("--fps", fmt::format("{}", fps), "a number above 0");
+  }
+}
+
+}  // namespace
+
+ExitCode run_render(RenderArguments& arguments) {
+  check_sequence(arguments);
+  std::optional<double> metered_ev;
+  if (arguments.frames.empty()) return render_one(arguments, metered_ev);
+  const FrameRange range = parse_frames(arguments.frames);
+  for (std::uint32_t frame = range.first; frame <= range.last; ++frame) {
+    RenderArguments one = frame_arguments(arguments, frame);
+    const ExitCode code = render_one(one, metered_ev);
+    if (code != ExitCode::Done) return code;
+  }
+  return ExitCode::Done;
 }
 
 void add_render_options(CLI::App& command, RenderArguments& arguments) {
@@ -192,6 +237,10 @@ void add_render_command(CLI::App& program, ExitCode& code) {
       ->allow_extra_args(false)
       ->required();
   add_render_options(command, *arguments);
+  add_shown(command, "--frames", arguments->frames, "A:B",
+            "render these frames, both included; # in the names of files are their numbers");
+  add_number(command, "--fps", arguments->frames_per_second, "N",
+             "frames per second: frame k is at k / N seconds (default: 24)");
   add_shown(command, "--stats", arguments->stats_file, "FILE.json",
             "write times, counts of rays and memory");
   command.callback([arguments, &code] { code = run_render(*arguments); });

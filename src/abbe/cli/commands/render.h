@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct RenderArguments {
   DevelopmentChoice development;
   std::vector<std::string> outputs;
   std::string bands, crop, aovs, freeze, stats_file;
+  std::string frames;  ///< Of a sequence; empty: one image.
+  std::optional<double> frames_per_second;
   std::string color_space = kRenderSpace;
   ExrOptions exr;
   bool quiet = false;
@@ -31,7 +34,7 @@ void add_render_options(CLI::App& command, RenderArguments& arguments);
 /// Errors: a usage Error; an output Error for a place that takes no file.
 void check_render_arguments(RenderArguments& arguments);
 
-/// Renders and writes. Errors: as the program's.
+/// Renders and writes, a frame after the other where there are several. Errors: as the program's.
 ExitCode run_render(RenderArguments& arguments);
 
 }  // namespace abbe

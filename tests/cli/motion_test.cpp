@@ -1,0 +1,116 @@
+/// Animated scenes: one time, and sequences of frames.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "abbe/image/exr/exr.h"
+#include "program.h"
+
+namespace abbe::test {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// A glowing ball of radius 0.5 that goes from x = 0 to x = 2 in 2 s, before a camera that sees
+/// x = -0.5 to 3.5, a metre a pixel.
+std::string moving_ball() {
+  return R"({
+  "asset": {"version": "2.0"},
+  "extensionsUsed": ["ABBE_shape"],
+  "scene": 0, "scenes": [{"nodes": [0, 1]}],
+  "nodes": [{"mesh": 0}, {"camera": 0, "translation": [1.5, 0, 5]}],
+  "cameras": [{"type": "orthographic",
+               "orthographic": {"xmag": 2, "ymag": 0.5, "znear": 0.1, "zfar": 10}}],
+  "materials": [{"emissiveFactor": [1, 1, 1]}],
+  "meshes": [{"extensions": {"ABBE_shape": {"sphere": {"radius": 0.5}}},
+              "primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+  "animations": [{"name": "roll",
+    "samplers": [{"input": 1, "output": 2}],
+    "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}],
+  "accessors": [
+    {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+    {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [2]},
+    {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}],
+  "bufferViews": [{"buffer": 0, "byteLength": 36},
+                  {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+                  {"buffer": 0, "byteOffset": 44, "byteLength": 24}],
+  "buffers": [{"byteLength": 68, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAEAAAAAAAAAAAAAAAAAAAABAAAAAAAAAAAA="}]
+})";
+}
+
+class MotionTest : public ProgramTest {
+ protected:
+  MotionTest() { write("ball.gltf", moving_ball()); }
+
+  /// Which of the four columns of a picture shine.
+  std::vector<bool> columns(const std::string& name) const {
+    const Image image = read_exr(file(name));
+    const std::size_t green = *image.channel_index("G");
+    std::vector<bool> shine;
+    for (std::size_t x = 0; x < 4; ++x) {
+      shine.push_back(image.pixels[x * image.channel_count() + green] > 0.25f);
+    }
+    return shine;
+  }
+
+  static Arguments with_small(Arguments arguments) {
+    for (const char* more : {"--size", "4x1", "--spp", "4", "--filter", "box", "--rig", "none"}) {
+      arguments.emplace_back(more);
+    }
+    return arguments;
+  }
+};
+
+TEST_F(MotionTest, time_poses_the_scene_and_is_written_down) {
+  ASSERT_EQ(abbe(with_small({"render", "ball.gltf", "-o", "rest.exr"})).exit_code, 0);
+  EXPECT_THAT(columns("rest.exr"), ElementsAre(true, false, false, false));
+  ASSERT_EQ(abbe(with_small({"render", "ball.gltf", "-o", "b.exr", "--time", "1"})).exit_code, 0);
+  EXPECT_THAT(columns("b.exr"), ElementsAre(false, true, false, false));
+  EXPECT_THAT(abbe({"inspect", "b.exr"}).out, HasSubstr("--time 1"));
+}
+
+TEST_F(MotionTest, frames_are_files_of_their_own) {
+  const Outcome run = abbe(
+      with_small({"render", "ball.gltf", "-o", "f.###.exr", "--frames", "9:11", "--fps", "5"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(new_files(), ElementsAre("f.009.exr", "f.010.exr", "f.011.exr"));
+  ASSERT_EQ(abbe(with_small({"render", "ball.gltf", "-o", "t.exr", "--time", "2"})).exit_code, 0);
+  // The same but for the exposure, which is that of the first frame.
+  EXPECT_EQ(read_exr(file("f.010.exr")).pixels, read_exr(file("t.exr")).pixels);
+  EXPECT_THAT(columns("f.010.exr"), ElementsAre(false, false, true, false));
+  const auto exposure_of = [&](const char* name) {
+    return read_exr(file(name)).attributes.at("abbe:exposure");
+  };
+  EXPECT_EQ(exposure_of("f.009.exr"), exposure_of("f.011.exr"));
+}
+
+TEST_F(MotionTest, sequences_that_cannot_be_are_usage_errors) {
+  const auto fails = [&](const Arguments& more, const std::string& part) {
+    Arguments all{"render", "ball.gltf", "-o", "f.#.exr"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome run = abbe(all);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err, HasSubstr(part));
+  };
+  fails({"--frames", "3"}, "--frames: found \"3\"");
+  fails({"--frames", "3:2"}, "A at most B");
+  fails({"--frames", "0:1", "--time", "1"}, "--time");
+  fails({"--frames", "0:1", "--fps", "0"}, "--fps");
+  fails({"--fps", "5"}, "--frames with it");
+  fails({"--frames", "0:1", "-o", "same.exr"}, "-o: found \"same.exr\"");
+  fails({"--frames", "0:1", "--stats", "same.json"}, "--stats: found \"same.json\"");
+  fails({"--animation", "roll"}, "--animation");
+  fails({"--time", "1", "--animation", "fall"}, "roll");
+  EXPECT_TRUE(new_files().empty());
+}
+
+TEST_F(MotionTest, inspect_lists_animations) {
+  const json scene = parsed({"inspect", "ball.gltf", "--json"});
+  EXPECT_EQ(scene.at("animations").at(0).at("name"), "roll");
+  EXPECT_EQ(scene.at("animations").at(0).at("length_s"), 2.0);
+}
+
+}  // namespace
+}  // namespace abbe::test

@@ -91,6 +91,34 @@ TEST_F(GltfMaterial, ior_of_zero_is_infinite_and_below_one_is_one) {
                                       "expected 0 or at least 1; 1 is used"));
 }
 
+TEST_F(GltfMaterial, variant_chooses_among_the_materials_of_a_primitive) {
+  document["materials"] = {{{"name", "red"}}, {{"name", "blue"}}, {{"name", "green"}}};
+  document["extensions"]["KHR_materials_variants"]["variants"] = {
+      {{"name", "sea"}}, {{"name", "wood"}}, {{"name", "sky"}}};
+  primitive()["material"] = 0;
+  primitive()["extensions"]["KHR_materials_variants"]["mappings"] = {
+      {{"material", 1}, {"variants", {0, 2}}}, {{"material", 2}, {"variants", {1}}}};
+  const Scene plain = load();
+  EXPECT_EQ(plain.materials[plain.meshes[0].material].name, "red");
+  EXPECT_THAT(plain.variants, testing::ElementsAre("sea", "wood", "sky"));
+  const auto material_for = [&](const std::string& variant) {
+    LoadOptions options;
+    options.variant = variant;
+    const Scene scene = load_gltf(folder / "scene.gltf", Catalogue::standard(), options, notes);
+    return scene.materials[scene.meshes[0].material].name;
+  };
+  EXPECT_EQ(material_for("sky"), "blue");
+  EXPECT_EQ(material_for("wood"), "green");
+  EXPECT_EQ(notes_text(), "");
+  try {
+    material_for("fire");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.detail().kind, ErrorKind::Usage);
+    EXPECT_THAT(error.detail().choices, testing::ElementsAre("sea", "wood", "sky"));
+  }
+}
+
 TEST_F(GltfMaterial, emissive_strength_multiplies) {
   material()["emissiveFactor"] = {1, 0.5, 0};
   extension("KHR_materials_emissive_strength") = {{"emissiveStrength", 40}};

@@ -76,7 +76,9 @@ TEST_F(GltfMesh, points_and_lines_are_skipped_with_a_note) {
   for (const int mode : {0, 1, 2, 3}) {
     primitive()["mode"] = mode;
     EXPECT_THAT(load().meshes, IsEmpty());
-    EXPECT_THAT(notes_text(), HasSubstr("not rendered"));
+    const char* counts[] = {"3 points are not rendered", "1 lines are not rendered",
+                            "3 lines are not rendered", "2 lines are not rendered"};
+    EXPECT_THAT(notes_text(), HasSubstr(counts[mode]));
   }
 }
 
@@ -200,6 +202,20 @@ TEST_F(GltfMesh, unused_vertices_are_dropped_with_their_attributes) {
               ElementsAre(Vec3f(0, 0, 0), Vec3f(1, 0, 0), Vec3f(0, 1, 0)));
   EXPECT_THAT(scene.meshes[0].uv[0], ElementsAre(Vec2f(1, 0), Vec2f(2, 0), Vec2f(3, 0)));
   EXPECT_THAT(scene.meshes[0].triangles, ElementsAre(Corners{2, 0, 1}));
+}
+
+TEST_F(GltfMesh, sparse_indices_without_a_view_start_from_zeros) {
+  const std::size_t places = add_view(std::vector<std::uint8_t>{1, 2});
+  const std::size_t values = add_view(std::vector<std::uint16_t>{2, 1});
+  document["accessors"].push_back({{"componentType", 5123},
+                                   {"count", 3},
+                                   {"type", "SCALAR"},
+                                   {"sparse",
+                                    {{"count", 2},
+                                     {"indices", {{"bufferView", places}, {"componentType", 5121}}},
+                                     {"values", {{"bufferView", values}}}}}});
+  primitive()["indices"] = document["accessors"].size() - 1;
+  EXPECT_THAT(load().meshes[0].triangles, ElementsAre(Corners{0, 2, 1}));
 }
 
 TEST_F(GltfMesh, selected_vertices_of_a_sparse_accessor_are_the_replaced_ones) {

@@ -197,5 +197,40 @@ TEST_F(GltfNode, lights_that_mean_nothing_are_errors) {
   }
 }
 
+class GltfInstancing : public GltfNode {
+ protected:
+  Json& attributes() { return node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]; }
+};
+
+TEST_F(GltfInstancing, mesh_stands_at_every_place_and_is_shared) {
+  const auto h = static_cast<float>(std::sqrt(0.5));
+  attributes() = {{"TRANSLATION", add_accessor(std::vector<float>{1, 0, 0, 0, 5, 0}, "VEC3")},
+                  {"ROTATION", add_accessor(std::vector<float>{0, 0, 0, 1, 0, 0, h, h}, "VEC4")},
+                  {"SCALE", add_accessor(std::vector<float>{1, 1, 1, 2, 1, 1}, "VEC3")},
+                  {"_ID", add_accessor(std::vector<float>{7, 8}, "SCALAR")}};
+  node()["translation"] = {100, 0, 0};
+  document["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+  const Scene scene = load();
+  ASSERT_EQ(scene.instances.size(), 2u);
+  EXPECT_EQ(scene.meshes.size(), 1u);
+  const auto corner = [&](std::size_t i) {
+    return Vec3d(scene.instances[i].to_world * Vec4d(1, 0, 0, 1));
+  };
+  expect_near(corner(0), {102, 0, 0});
+  EXPECT_LT(glm::length(corner(1) - Vec3d(100, 7, 0)), 1e-6);  // Quaternions of single precision.
+  EXPECT_EQ(scene.instances[1].name, "node 0 [1]");
+}
+
+TEST_F(GltfInstancing, attributes_of_several_lengths_are_an_error) {
+  attributes() = {{"SCALE", add_accessor(std::vector<float>{1, 1, 1}, "VEC3")},
+                  {"TRANSLATION", add_accessor(std::vector<float>{1, 0, 0, 0, 5, 0}, "VEC3")}};
+  EXPECT_THAT(error(), HasSubstr("attributes/TRANSLATION: found 2 elements"));
+}
+
+TEST_F(GltfInstancing, no_place_is_a_fault) {
+  attributes() = Json::object();
+  EXPECT_THAT(error(), HasSubstr("attributes: found no place"));
+}
+
 }  // namespace
 }  // namespace abbe

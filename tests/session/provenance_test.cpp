@@ -97,6 +97,7 @@ TEST(Recipe, of_a_posed_scene_says_when) {
   const RenderSettings settings;
   posed.time_s = 1.0 / 3.0;
   posed.animation = "walk";
+  posed.variant = "sea";
   ExrHeader header = header_of(settings);
   EXPECT_FALSE(header.attributes.contains("abbe:time"));
   header.attributes = provenance(posed, settings, {}, read_standards(test::catalogue()));
@@ -104,6 +105,7 @@ TEST(Recipe, of_a_posed_scene_says_when) {
   ASSERT_TRUE(recipe);
   EXPECT_EQ(recipe->scene.time_s, 1.0 / 3.0);
   EXPECT_EQ(recipe->scene.animation, "walk");
+  EXPECT_EQ(recipe->scene.variant, "sea");
 }
 
 TEST(PreparedScene, name_of_a_camera_is_what_finds_it_again) {

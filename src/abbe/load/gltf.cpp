@@ -21,9 +21,11 @@
 #include "abbe/load/gltf/motion/animation.h"
 #include "abbe/load/gltf/motion/attributes.h"
 #include "abbe/load/gltf/motion/skin.h"
-#include "abbe/load/gltf/nodes.h"
+#include "abbe/load/gltf/placement/instancing.h"
+#include "abbe/load/gltf/placement/nodes.h"
 #include "abbe/load/gltf/spectra.h"
 #include "abbe/load/gltf/textures.h"
+#include "abbe/load/gltf/variants.h"
 #include "abbe/scene/colors.h"
 #include "abbe/scene/shells.h"
 #include "abbe/scene/validation.h"
@@ -51,6 +53,16 @@ tinygltf::Model parse_core(const Document& document) {
       for (Json& primitive : element["primitives"]) strip(primitive);
     }
   }
+  // tinygltf 2.7 refuses indices without a bufferView, which are zeros, or sparse: it gets one for
+  // them, and it is taken away again.
+  std::vector<std::size_t> without_view;
+  if (core.contains("accessors") && core.contains("bufferViews")) {
+    for (std::size_t i = 0; i < core["accessors"].size(); ++i) {
+      if (core["accessors"][i].contains("bufferView")) continue;
+      without_view.push_back(i);
+      core["accessors"][i]["bufferView"] = 0;
+    }
+  }
   const std::string text = core.dump();
   tinygltf::TinyGLTF reader;
   reader.SetFsCallbacks({nullptr, nullptr, nullptr, nullptr, nullptr});
@@ -62,6 +74,7 @@ tinygltf::Model parse_core(const Document& document) {
     while (!error.empty() && error.back() == '\n') error.pop_back();
     throw_input_error(document.file_name(), error, "glTF 2.0");
   }
+  for (const std::size_t i : without_view) model.accessors[i].bufferView = -1;
   return model;
 }
 
@@ -69,12 +82,13 @@ tinygltf::Model parse_core(const Document& document) {
 class Placer {
  public:
   Placer(Document& document, const tinygltf::Model& model, Accessors& accessors, Places& places,
-         Spectra& spectra, Scene& scene)
+         Spectra& spectra, std::optional<std::size_t> variant, Scene& scene)
       : document_(document),
         model_(model),
         accessors_(accessors),
         places_(places),
         spectra_(spectra),
+        variant_(variant),
         scene_(scene) {}
 
   void place(const PlacedNode& node) {
@@ -174,8 +188,8 @@ class Placer {
     result.shape = read_shape(document_, mesh);
     if (result.shape) {
       result.shape->name = source.name.empty() ? fmt::format("mesh {}", mesh) : source.name;
-      result.shape->material =
-          material_index(source.primitives.empty() ? -1 : source.primitives.front().material);
+      result.shape->material = material_index(
+          source.primitives.empty() ? -1 : material_of(document_, mesh, 0, variant_));
       if (source.primitives.size() > 1) {
         document_.notes().warn(document_.where(fmt::format("/meshes/{}/primitives", mesh)),
                                "an ABBE_shape has one material: that of the first primitive");
@@ -191,7 +205,7 @@ class Placer {
       std::optional<Mesh> read =
           read_primitive(document_, model_, accessors_, mesh, i, deformation);
       if (!read) continue;
-      read->material = material_index(source.primitives[i].material);
+      read->material = material_index(material_of(document_, mesh, i, variant_));
       warn_of_missing_uv(*read, fmt::format("/meshes/{}/primitives/{}", mesh, i));
       turn_outward(*read, fmt::format("/meshes/{}/primitives/{}", mesh, i));
       Group& group = read->joints > 0 ? result.skinned : result.rigid;
@@ -246,14 +260,18 @@ class Placer {
   void place_mesh(const PlacedNode& node, const std::string& pointer) {
     const Use use = use_of(node, pointer);
     const Converted& source = converted(use);
-    if (source.shape) {
-      const Vec3d center(node.to_world[3]);
-      if (is_flat(node.to_world, pointer) || is_far(center, pointer)) return;
+    const std::vector<Mat4d> places = instance_places(document_, accessors_, node.index);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const Mat4d to_world = node.to_world * places[i];
+      const std::string name =
+          places.size() == 1 ? node.name : fmt::format("{} [{}]", node.name, i);
+      place_group(source.rigid, to_world, name, pointer);
+      if (!source.shape || is_flat(to_world, pointer) || is_far(Vec3d(to_world[3]), pointer)) {
+        continue;
+      }
       count(*source.shape, pointer);
-      scene_.instances.push_back({node.name, *source.shape, node.to_world});
-      return;
+      scene_.instances.push_back({name, *source.shape, to_world});
     }
-    place_group(source.rigid, node.to_world, node.name, pointer);
     if (use.skin >= 0) {
       place_group(source.skinned, glm::translate(Mat4d(1.0), posed_skin(use.skin).origin),
                   node.name, pointer);
@@ -332,6 +350,7 @@ class Placer {
   Accessors& accessors_;
   Places& places_;
   Spectra& spectra_;
+  std::optional<std::size_t> variant_;
   Scene& scene_;
   std::map<Use, Converted> converted_;
   std::map<int, PosedSkin> skins_;
@@ -407,7 +426,9 @@ Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
     pose = gltf::pose_at(document, model, accessors, *options.time_s, options.animation);
   }
   gltf::Places places(document, model, std::move(pose));
-  gltf::Placer placer(document, model, accessors, places, spectra, scene);
+  scene.variants = gltf::variant_names(document);
+  gltf::Placer placer(document, model, accessors, places, spectra,
+                      gltf::chosen_variant(document, options.variant), scene);
   for (const gltf::PlacedNode& node : places.place(roots)) placer.place(node);
   if (scene.instances.empty()) {
     // Nothing but what is wrong with the file says why.

@@ -17,6 +17,7 @@ struct LoadOptions {
   /// Posed by the file's animations at this time; absent: as the file rests.
   std::optional<double> time_s = {};
   std::string animation = {};  ///< By name, or by number from 0; empty: all of them.
+  std::string variant = {};    ///< Of KHR_materials_variants, by name; empty: none.
   bool strict = false;         ///< What viewers put up with is an error instead of a warning.
 };
 

@@ -330,6 +330,7 @@ struct Scene {
   std::shared_ptr<const Environment> environment;  ///< Null: none.
   std::optional<Fog> fog;
   std::vector<Animation> animations;
+  std::vector<std::string> variants;  ///< Names of the file's sets of materials, as a choice.
   bool uses_abbe =
       false;  ///< Whether its file has an extension of ours: it can say what lights it.
   /// Whether surfaces that emit light others where their material leaves it open.

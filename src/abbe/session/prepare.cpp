@@ -165,11 +165,13 @@ PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogu
   load.strict = choice.strict;
   load.time_s = choice.time_s;
   load.animation = choice.animation;
+  load.variant = choice.variant;
   if (!choice.scene.empty()) load.scene_name = choice.scene;
   for (const Note& note : catalogue.notes().all()) notes.warn(note.where, note.text);
   PreparedScene prepared;
   check_time(choice);
   prepared.scene = load_gltf(choice.file, catalogue, load, notes);
+  prepared.variant = choice.variant;
   prepared.time_s = choice.time_s;
   if (choice.time_s) prepared.animation = choice.animation;
   const bool wants_frame = choice.camera == kFrame && !has_camera(prepared.scene, kFrame);

@@ -23,6 +23,7 @@ struct SceneChoice {
   /// When: the file's animations pose it; absent: as it rests.
   std::optional<double> time_s = {};
   std::string animation = {};  ///< By name or number; empty: all, the first of those that collide.
+  std::string variant = {};    ///< Set of materials, by name; empty: what the file shows first.
   bool strict = false;         ///< What viewers put up with in a file is an error.
   std::string lamp = {};       ///< Spectrum of the catalogue for all lamps; empty: the scene's own.
   /// An image of light from all around, instead of what the file has; empty: the file's own.
@@ -49,6 +50,7 @@ struct PreparedScene {
   std::string environment_id;
   LightsOthers emissive_light = LightsOthers::Auto;  ///< As chosen.
   std::optional<double> time_s = {};                 ///< As chosen.
+  std::string variant = {};                          ///< As chosen.
   std::string animation = {};                        ///< As chosen, of a scene that is posed.
   bool has_default_camera = false;                   ///< One that frames, asked for or not.
 

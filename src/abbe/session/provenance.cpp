@@ -202,6 +202,7 @@ std::optional<Recipe> recipe_of(const ExrHeader& header) {
     recipe.scene.lamp = read.text("lamp");
     if (attributes.contains("abbe:time")) read.get("time", recipe.scene.time_s.emplace());
     recipe.scene.animation = read.text("animation");
+    recipe.scene.variant = read.text("variant");
     recipe.scene.environment = read.text("environment");
     if (attributes.contains("abbe:rig")) recipe.scene.rig = rig_from_name(read.text("rig"));
     if (attributes.contains("abbe:emissiveLight")) {
@@ -245,6 +246,7 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
   out["abbe:spectraHash"] = spectra_hash(prepared.scene, development, standards);
   if (!prepared.scene.name.empty()) out["abbe:scene"] = prepared.scene.name;
   out["abbe:camera"] = prepared.camera_name();
+  if (!prepared.variant.empty()) out["abbe:variant"] = prepared.variant;
   if (prepared.time_s) out["abbe:time"] = *prepared.time_s;
   if (!prepared.animation.empty()) out["abbe:animation"] = prepared.animation;
   if (prepared.rig.rig != Rig::None) out["abbe:rig"] = rig_name(prepared.rig.rig);

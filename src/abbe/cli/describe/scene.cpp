@@ -126,6 +126,7 @@ Description describe_scene(const PreparedScene& prepared, Notes& notes) {
   for (const Animation& animation : scene.animations) {
     out["animations"].push_back({{"name", animation.name}, {"length_s", animation.length_s}});
   }
+  if (!scene.variants.empty()) out["variants"] = scene.variants;
   if (prepared.time_s) out["time_s"] = *prepared.time_s;
 
   out["cameras"] = Description::array();

@@ -13,7 +13,7 @@ struct Field {
   std::string_view name, option;
 };
 
-constexpr std::array<Field, 39> kFields{{{"accelerator", "--accel"},
+constexpr std::array<Field, 40> kFields{{{"accelerator", "--accel"},
                                          {"adaptation", "--adaptation"},
                                          {"animation", "--animation"},
                                          {"aovs", "--aov"},
@@ -48,6 +48,7 @@ constexpr std::array<Field, 39> kFields{{{"accelerator", "--accel"},
                                          {"time_s", "--time"},
                                          {"tile_size", "--tiles"},
                                          {"uplift", "--uplift"},
+                                         {"variant", "--variant"},
                                          {"view", "--view"},
                                          {"wavelengths.count", "--wavelengths"},
                                          {"wavelengths.exact_nm", "--lines"},

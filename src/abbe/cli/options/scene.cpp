@@ -22,6 +22,8 @@ void add_reading_options(CLI::App& command, SceneChoice& choice) {
   add_shown(command, "--animation", choice.animation, "NAME",
             "which of the file's animations, by name or by number from 0 (default: all; of those "
             "that move the same, the first)");
+  add_shown(command, "--variant", choice.variant, "NAME",
+            "set of materials of the file to show (default: what it shows first)");
   command.add_flag("--strict", choice.strict,
                    "what viewers put up with in a file is an error instead of a warning");
 }

@@ -26,7 +26,8 @@ void add_scene_options(CLI::App& command, SceneOptions& options);
 /// The same without the scene's file.
 void add_view_options(CLI::App& command, SceneOptions& options);
 
-/// How a file is read, of `render` and of `inspect`: --time, --animation, --strict.
+/// How a file is read, of `render` and of `inspect`: --time, --animation, --variant,
+/// --strict.
 void add_reading_options(CLI::App& command, SceneChoice& choice);
 
 /// --environment, --rig and --emissive-light, of `render` and of `inspect`.

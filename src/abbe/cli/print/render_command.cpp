@@ -84,6 +84,7 @@ std::string render_command(const Recipe& recipe) {
   command.add_given("--scene", recipe.scene.scene);
   if (recipe.scene.time_s) command.add("--time", *recipe.scene.time_s);
   command.add_given("--animation", recipe.scene.animation);
+  command.add_given("--variant", recipe.scene.variant);
   command.add("--mode", mode_name(settings.mode));
   command.add("--spp", settings.samples_per_pixel);
   add_wavelengths(settings, command);

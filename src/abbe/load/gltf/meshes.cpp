@@ -63,6 +63,24 @@ const char* mode_name(int mode) {
   }
 }
 
+std::size_t corner_count(const Accessors& accessors, const tinygltf::Primitive& source) {
+  if (source.indices >= 0) return accessors.count(source.indices);
+  const auto position = source.attributes.find("POSITION");
+  return position == source.attributes.end() ? 0 : accessors.count(position->second);
+}
+
+// Of points and lines. Source: glTF 2.0, 3.7.2.1.
+std::size_t element_count(int mode, std::size_t corners) {
+  switch (mode) {
+    case TINYGLTF_MODE_LINE:
+      return corners / 2;
+    case TINYGLTF_MODE_LINE_STRIP:
+      return corners < 2 ? 0 : corners - 1;
+    default:
+      return corners;
+  }
+}
+
 void check_range(Document& document, const tinygltf::Accessor& accessor, int index,
                  const std::vector<Vec3f>& positions) {
   if (accessor.minValues.size() != 3 || accessor.maxValues.size() != 3) return;
@@ -225,7 +243,9 @@ std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& mo
 
   const int mode = source.mode < 0 ? TINYGLTF_MODE_TRIANGLES : source.mode;
   if (std::string(mode_name(mode)) != "triangles") {
-    notes.warn(place, fmt::format("{} are not rendered", mode_name(mode)));
+    notes.warn(place,
+               fmt::format("{} {} are not rendered",
+                           element_count(mode, corner_count(accessors, source)), mode_name(mode)));
     return std::nullopt;
   }
   const auto position_accessor = source.attributes.find("POSITION");

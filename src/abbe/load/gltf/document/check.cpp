@@ -198,9 +198,11 @@ constexpr std::array kUnderstood = {
     "KHR_materials_iridescence",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
 };
 

@@ -1,4 +1,4 @@
-#include "abbe/load/gltf/nodes.h"
+#include "abbe/load/gltf/placement/nodes.h"
 
 #include <fmt/format.h>
 
@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "abbe/base/error.h"
+#include "abbe/load/gltf/placement/transform.h"
 
 namespace abbe::gltf {
 namespace {
@@ -53,12 +54,6 @@ Mat4d from_matrix(const std::vector<double>& m, const std::string& where, Notes&
   return result;
 }
 
-/// A node's own translation, rotation and scale, or what a pose says instead.
-struct Transform {
-  Vec3d translation{0.0}, scale{1.0};
-  Vec4d rotation{0.0, 0.0, 0.0, 1.0};
-};
-
 Transform transform_of(const tinygltf::Node& node, const NodePose* pose) {
   Transform own;
   if (const auto& t = node.translation; t.size() == 3) own.translation = {t[0], t[1], t[2]};
@@ -67,23 +62,6 @@ Transform transform_of(const tinygltf::Node& node, const NodePose* pose) {
   if (pose == nullptr) return own;
   return {pose->translation.value_or(own.translation), pose->scale.value_or(own.scale),
           pose->rotation.value_or(own.rotation)};
-}
-
-Mat4d from_trs(const Transform& transform, const std::string& where, Notes& notes) {
-  Mat4d result(1.0);
-  const double length = glm::length(transform.rotation);
-  if (!(length > 1e-100) || !std::isfinite(length)) {
-    notes.warn(where, "a rotation of length 0; no rotation is used");
-  } else {
-    const Vec4d q = transform.rotation / length;
-    const double x = q.x, y = q.y, z = q.z, w = q.w;
-    result[0] = Vec4d(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0);
-    result[1] = Vec4d(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0);
-    result[2] = Vec4d(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0);
-  }
-  for (int c = 0; c < 3; ++c) result[c] *= transform.scale[c];
-  result[3] = Vec4d(transform.translation, 1.0);
-  return result;
 }
 
 bool is_finite(const Mat4d& m) {
@@ -184,10 +162,10 @@ const Mat4d& Places::local(int node) {
   if (!known) {
     const tinygltf::Node& source = model_.nodes[at(node)];
     const std::string where = document_.where(fmt::format("/nodes/{}", node));
-    known =
-        source.matrix.size() == 16
-            ? from_matrix(source.matrix, where + "/matrix", document_.notes())
-            : from_trs(transform_of(source, pose_of(node)), where + "/rotation", document_.notes());
+    known = source.matrix.size() == 16
+                ? from_matrix(source.matrix, where + "/matrix", document_.notes())
+                : matrix_of(transform_of(source, pose_of(node)), where + "/rotation",
+                            document_.notes());
   }
   return *known;
 }

@@ -157,6 +157,45 @@ TEST(Fog, sun_in_fog_before_a_black_wall_shows_what_fog_hides) {
   EXPECT_NEAR(luminance(scene) / expected, 1.0, 2e-4);
 }
 
+// A sun's illuminance is what it is at the scene: a pane that is hardly there, or a mirror on the
+// way, changes nothing of what fog takes.
+TEST(Fog, sun_behind_a_pane_or_off_a_mirror_is_the_sun) {
+  Scene scene = foggy_scene();
+  // The sun shines upwards; what the mirror above throws down, slanted, falls on the floor as well.
+  test::add_square(scene, test::add(scene, test::matte(Vec3f(0.5f))), 0.05,
+                   test::translation({0, 0, 1}));
+  const auto lit_by = [&](const Vec3d& towards) {
+    Scene lit = scene;
+    lit.lights.push_back(test::directional_light(towards, 1000.0));
+    return lit;
+  };
+  const double straight = luminance(lit_by({0, 1, -1}));
+  Scene paned = lit_by({0, 1, -1});
+  test::add_box(paned, test::add(paned, test::glass(1.0001)), {12.0, 0.1, 12.0},
+                test::translation({0, -2, 1}));
+  // Two faces lose (0.00005)² each; the quadrature's 1e-4.
+  EXPECT_NEAR(luminance(paned) / straight, 1.0, 4e-4);
+
+  Scene mirrored = lit_by({0, -1, -1});
+  Material gold = test::mirror("metal/Au-Johnson");
+  test::add_square(mirrored, test::add(mirrored, gold), 10.0,
+                   test::translation({0, -2, 1}) * test::rotation({1, 0, 0}, -90.0));
+  Scene bare = mirrored;
+  bare.fog.reset();
+  Scene without = lit_by({0, -1, -1});
+  Scene bare_without = without;
+  bare_without.fog.reset();
+  // What the mirror adds on the wall itself, less what fog takes between it and the camera.
+  const double clear = luminance(bare) - luminance(bare_without);
+  const double wall_only = std::exp(-4.0 * kExtinction) * clear;
+  // Fog that the mirror lights scatters as if the sun came that way, too: half a metre of its own.
+  const double fog = luminance(mirrored) - luminance(without) - wall_only;
+  const double reflected = clear / (luminance(bare_without));
+  const double fog_of_sun =
+      luminance(lit_by({0, -1, -1})) - std::exp(-4.0 * kExtinction) * luminance(bare_without);
+  EXPECT_NEAR(fog / (reflected * fog_of_sun), 1.0, 4e-3);
+}
+
 // A beam in the XZ plane that passes a 60° prism of N-SF11 at minimum deviation for the d line.
 struct FoggyPrism {
   static constexpr double kApart_m = 0.3;   ///< From the prism to where the camera looks.

@@ -89,8 +89,8 @@ class Paths {
     path.length_m = straight->length_m;
     LightChain chain;
     for (path.lane = 0; path.lane < world_.lanes.lane_count(); ++path.lane) {
-      const double fog_m = std::isfinite(path.length_m) ? path.length_m : 0.0;
-      path.transmittance = passes(medium_, fog_m, path.lane);
+      const double length_m = std::isfinite(path.length_m) ? path.length_m : 0.0;
+      path.transmittance = passes(medium_, length_m, path.lane);
       path.irradiance = straight->irradiance * path.transmittance;
       chain.paths.push_back(path);
     }
@@ -104,7 +104,8 @@ class Paths {
       if (!material.absorption_per_m) return 1.0;
       return transmittance_after(value(*material.absorption_per_m, lane), length_m);
     }
-    if (!world_.fog) return 1.0;
+    // The illuminance of a sun is what it is at the scene.
+    if (!world_.fog || !light_.has_distance()) return 1.0;
     return transmittance_after(static_cast<double>(world_.fog->extinction_per_m), length_m);
   }
 

@@ -194,13 +194,12 @@ class ParallelChainLight {
       const V per_m = hn::LoadU(d, tables_.row(*material.absorption_per_m, set_) + i);
       irradiance = Attenuated(d, irradiance, per_m, length);
     }
-    if (!tables_.fog) return irradiance;
-    if (light_.beam) {
-      const Vec3f from_light = chain_.origin - light_.position;
-      const V along = hn::Add(Dot3(d, place, Set3(d, light_.direction)),
-                              hn::Set(d, glm::dot(from_light, light_.direction)));
-      fog_m = hn::Add(fog_m, hn::Max(along, zero));
-    }
+    // The illuminance of a sun is what it is at the scene, however long its way: no fog weakens it.
+    if (!tables_.fog || !light_.has_distance()) return irradiance;
+    const Vec3f from_light = chain_.origin - light_.position;
+    const V along = hn::Add(Dot3(d, place, Set3(d, light_.direction)),
+                            hn::Set(d, glm::dot(from_light, light_.direction)));
+    fog_m = hn::Add(fog_m, hn::Max(along, zero));
     return Attenuated(d, irradiance, hn::Set(d, tables_.fog->extinction_per_m), fog_m);
   }
 

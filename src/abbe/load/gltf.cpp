@@ -364,8 +364,13 @@ std::optional<int> chosen_scene(const Document& document, const tinygltf::Model&
   if (options.scene_name) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < model.scenes.size(); ++i) {
-      if (model.scenes[i].name == *options.scene_name) return static_cast<int>(i);
-      names.push_back(model.scenes[i].name);
+      const std::string& name = model.scenes[i].name;
+      if (name == *options.scene_name) return static_cast<int>(i);
+      names.push_back(name.empty() ? std::to_string(i) : name);
+    }
+    // By its number, where no scene has that for a name.
+    for (std::size_t i = 0; i < model.scenes.size(); ++i) {
+      if (std::to_string(i) == *options.scene_name) return static_cast<int>(i);
     }
     throw_usage_error("scene", in_quotes(*options.scene_name), "a scene of " + document.file_name(),
                       names);

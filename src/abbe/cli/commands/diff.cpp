@@ -215,6 +215,9 @@ ExitCode run_diff(const DiffCommand& arguments) {
   }
   if (arguments.map_max < 0.0) check_positive("--map-max", arguments.map_max);
   check_outputs({arguments.outputs.begin(), arguments.outputs.end()});
+  for (const std::string& file : arguments.outputs) {
+    check_apart({{"-o", file}}, {{"A", arguments.image}, {"B", arguments.reference}});
+  }
 
   if (output_kind(arguments.image) != output_kind(arguments.reference)) {
     throw_usage_error("abbe diff", "a scene-linear and a display-encoded image",

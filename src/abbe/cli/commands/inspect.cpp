@@ -80,7 +80,7 @@ void add_inspect_command(CLI::App& program, ExitCode& code) {
       .add_option("FILE", arguments->choice.file, "scene (.gltf, .glb) or image (.exr, .png, ...)")
       ->required();
   add_shown(command, "--scene", arguments->choice.scene, "NAME",
-            "scene of the file to take (default: the file's own)");
+            "scene of the file to take, by name or by number from 0 (default: the file's own)");
   add_shown(command, "--camera", arguments->choice.camera, "NAME",
             "camera to mark as chosen; frame: one that frames the scene (default: the first)");
   add_light_options(command, arguments->choice, arguments->rig, arguments->emissive_light);

@@ -8,6 +8,7 @@
 #include "abbe/base/error.h"
 #include "abbe/base/file.h"
 #include "abbe/cli/commands/commands.h"
+#include "abbe/cli/options/outputs.h"
 #include "abbe/cli/options/scene.h"
 #include "abbe/cli/options/typed.h"
 #include "abbe/cli/print/console.h"
@@ -39,6 +40,8 @@ ExitCode run_probe(ProbeArguments& arguments) {
                       "a weight from 0 to 1");
   }
   if (!arguments.svg.empty()) check_writable(arguments.svg);
+  check_apart({{"--svg", arguments.svg}}, {{"SCENE", arguments.scene.choice.file},
+                                           {"--environment", arguments.scene.choice.environment}});
   resolve_settings(arguments.scene);
   const Console console(false);
   RenderSettings& settings = arguments.scene.settings;

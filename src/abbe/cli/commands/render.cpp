@@ -102,6 +102,10 @@ void check_render_arguments(RenderArguments& arguments) {
   check_exr_options(arguments.exr);
   check_outputs({arguments.outputs.begin(), arguments.outputs.end()});
   if (!arguments.stats_file.empty()) check_writable(arguments.stats_file);
+  std::vector<NamedFile> written{{"--stats", arguments.stats_file}};
+  for (const std::string& file : arguments.outputs) written.push_back({"-o", file});
+  check_apart(written, {{"SCENE", arguments.scene.choice.file},
+                        {"--environment", arguments.scene.choice.environment}});
   // What is asked for is checked, even where nothing is shown.
   const DisplayOptions &display = arguments.display.options, plain;
   if (!sorted_outputs(arguments.outputs).rasters.empty() || display.config ||

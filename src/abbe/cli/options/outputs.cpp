@@ -8,6 +8,19 @@
 #include "abbe/image/channels.h"
 
 namespace abbe {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Links and different ways to write a path included.
+bool are_same(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  if (fs::equivalent(a, b, error)) return true;
+  return fs::weakly_canonical(fs::absolute(a), error) ==
+         fs::weakly_canonical(fs::absolute(b), error);
+}
+
+}  // namespace
 
 const std::vector<std::string>& image_suffixes() {
   static const std::vector<std::string> suffixes{".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff"};
@@ -35,12 +48,23 @@ void check_outputs(const std::vector<std::filesystem::path>& files) {
   for (std::size_t i = 0; i < files.size(); ++i) {
     (void)output_kind(files[i]);
     for (std::size_t j = 0; j < i; ++j) {
-      if (files[i].lexically_normal() == files[j].lexically_normal()) {
+      if (are_same(files[i], files[j])) {
         throw_usage_error("-o", "\"" + files[i].string() + "\" twice", "each file once");
       }
     }
   }
   for (const std::filesystem::path& file : files) check_writable(file);
+}
+
+void check_apart(const std::vector<NamedFile>& written, const std::vector<NamedFile>& read) {
+  const auto check = [](const NamedFile& a, const NamedFile& b) {
+    if (a.file.empty() || b.file.empty() || !are_same(a.file, b.file)) return;
+    throw_usage_error(a.option, "\"" + a.file.string() + "\", the file of " + b.option, "another");
+  };
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    for (const NamedFile& file : read) check(written[i], file);
+    for (std::size_t j = 0; j < i; ++j) check(written[i], written[j]);
+  }
 }
 
 void check_display(const DisplayOptions& options) {

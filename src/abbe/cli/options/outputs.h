@@ -29,6 +29,17 @@ Outputs sorted_outputs(const std::vector<std::string>& files);
 /// Errors: a usage Error for a suffix or a repeated file, an output Error for the rest.
 void check_outputs(const std::vector<std::filesystem::path>& files);
 
+/// A file and the option that names it.
+struct NamedFile {
+  std::string option;
+  std::filesystem::path file;
+};
+
+/// Checks before any work that nothing written replaces what is read, or what else is written.
+/// A file without a name is passed over.
+/// Errors: a usage Error that names both.
+void check_apart(const std::vector<NamedFile>& written, const std::vector<NamedFile>& read);
+
 /// Checks before any work that the configuration has the display and the view.
 /// Errors: as to_display.
 void check_display(const DisplayOptions& options);

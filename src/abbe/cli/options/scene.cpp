@@ -31,7 +31,7 @@ void add_reading_options(CLI::App& command, SceneChoice& choice) {
 void add_view_options(CLI::App& command, SceneOptions& options) {
   RenderSettings& settings = options.settings;
   add_shown(command, "--scene", options.choice.scene, "NAME",
-            "scene of the file to take (default: the file's own)");
+            "scene of the file to take, by name or by number from 0 (default: the file's own)");
   add_shown(
       command, "--camera", options.choice.camera, "NAME",
       "camera to look through, by name or by number from 0, #N where a name is a number; frame: "

@@ -24,14 +24,21 @@ inline PixelOnSurface pixel_on_surface(const CameraSample& sample, const PixelKe
   constexpr float kLeastFacing = 0.05f;
   const float facing = glm::dot(sample.direction, normal);
   const float divisor = std::copysign(std::max(std::abs(facing), kLeastFacing), facing);
-  for (std::size_t k = 0; k < 2; ++k) {
-    const Vec3f moved = sample.origin_per_px[k] + distance_m * sample.direction_per_px[k];
-    const Vec3f on_plane = (facing * moved - glm::dot(moved, normal) * sample.direction) / divisor;
-    pixel.shift -= sample.offset_px[static_cast<int>(k)] * on_plane;
-    pixel.sides[k] = on_plane;
-    pixel.reach_m += kernel.radius_px * glm::length(on_plane);
+  Vec2f range_px(0.0f);  // From the sample to the kernel's end.
+  for (int k = 0; k < 2; ++k) {
+    const auto axis = static_cast<std::size_t>(k);
+    const Vec3f turned = sample.direction_per_px[axis];
+    const Vec3f moved = sample.origin_per_px[axis] + distance_m * turned;
+    pixel.sides[axis] = (facing * moved - glm::dot(moved, normal) * sample.direction) / divisor;
+    pixel.closer[k] = glm::dot(turned, normal) / divisor;
+    range_px[k] = pixel.radius_px + std::abs(pixel.offset_px[k]);
+    pixel.reach_m += range_px[k] * glm::length(pixel.sides[axis]);
   }
-  pixel.reach_m += glm::length(pixel.shift);
+  // Nor does the plane's horizon come into the pixel.
+  constexpr float kMostCloser = 0.5f;
+  const float closer = glm::dot(glm::abs(pixel.closer), range_px);
+  if (closer > kMostCloser) pixel.closer *= kMostCloser / closer;
+  pixel.reach_m /= 1.0f - std::min(closer, kMostCloser);
   return pixel;
 }
 

@@ -8,6 +8,9 @@
 #define ABBE_CAUSTICS_FLAT_LIGHT_LIT_PIXEL_INL_H_
 #endif
 
+#include <array>
+#include <cstddef>
+
 #include "abbe/caustics/flat/light/pixel_on_surface.h"
 #include "abbe/math/lanes-inl.h"
 
@@ -15,33 +18,38 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
-/// The part of a pixel's kernel along one of its sides that some half-spaces leave.
+/// The part of a line across a pixel that some half-spaces leave.
 template <class D>
 struct LitPart {
-  VecOf<D> first, last;  ///< In pixels from the centre.
+  static constexpr float kEnd = 0.05f;  ///< What share of it each end is.
+  VecOf<D> first, last;                 ///< In pixels from the centre.
 
   LitPart(D d, const PixelOnSurface& pixel)
       : first(hn::Set(d, -pixel.radius_px)), last(hn::Set(d, pixel.radius_px)) {}
 
-  /// Leaves the places where height + place·rise ≥ 0, in the lanes of `mask`. Domain: rise ≠ 0.
-  HWY_INLINE void clip(D d, hn::Mask<D> mask, VecOf<D> height, VecOf<D> rise) {
+  /// Leaves the places where height + place·rise ≥ 0.
+  HWY_INLINE void clip(D d, VecOf<D> height, VecOf<D> rise) {
+    const auto zero = hn::Zero(d);
     const auto border = hn::Neg(hn::Div(height, rise));
-    const auto is_up = hn::Gt(rise, hn::Zero(d));
-    first = hn::IfThenElse(hn::And(mask, is_up), hn::Max(first, border), first);
-    last = hn::IfThenElse(hn::AndNot(is_up, mask), hn::Min(last, border), last);
+    first = hn::IfThenElse(hn::Gt(rise, zero), hn::Max(first, border), first);
+    last = hn::IfThenElse(hn::Lt(rise, zero), hn::Min(last, border), last);
+    const auto never = hn::And(hn::Eq(rise, zero), hn::Lt(height, zero));
+    last = hn::IfThenElse(never, first, last);
   }
 
   HWY_INLINE hn::Mask<D> is_there() const { return hn::Lt(first, last); }
-  /// The place of it that is nearest to one of the pixel.
+  /// The place of it that is nearest to one of the line, but for its ends, where a path of light
+  /// runs along the edges of facets.
   HWY_INLINE VecOf<D> nearest(D d, float offset_px) const {
-    return hn::Min(hn::Max(hn::Set(d, offset_px), first), last);
+    const auto end = hn::Mul(hn::Sub(last, first), hn::Set(d, kEnd));
+    return hn::Min(hn::Max(hn::Set(d, offset_px), hn::Add(first, end)), hn::Sub(last, end));
   }
   /// The kernel's integral over it. Domain: lanes in which it is there; others are undefined.
   HWY_INLINE VecOf<D> share(D d, const PixelOnSurface& pixel) const {
     return hn::Sub(below(d, pixel, last), below(d, pixel, first));
   }
 
- private:
+  /// The kernel's integral up to a place.
   static HWY_INLINE VecOf<D> below(D d, const PixelOnSurface& pixel, VecOf<D> place) {
     const hn::RebindToSigned<D> di;
     constexpr float kCells = PixelKernel::kCells;
@@ -54,6 +62,116 @@ struct LitPart {
     const auto high = hn::GatherIndex(d, pixel.cumulated + 1, cell);
     return hn::Add(low, hn::Mul(part, hn::Sub(high, low)));
   }
+};
+
+/// A border in a pixel, u and v from its middle: it leaves where height + along·u + across·v ≥ 0.
+template <class D>
+struct PixelLine {
+  VecOf<D> height, along, across;
+};
+
+/// The part of a pixel's kernel that some lines leave: a convex polygon.
+template <class D>
+class LitArea {
+ public:
+  LitArea(D d, const PixelOnSurface& pixel)
+      : pixel_(pixel), across_(d, pixel), share_(hn::Zero(d)) {
+    const auto reach = hn::Set(d, pixel.radius_px);
+    for (const float sign : {1.0f, -1.0f}) add({reach, hn::Set(d, sign), hn::Zero(d)});
+  }
+
+  /// More than a pixel can have of edges that matter are left out.
+  void add(const PixelLine<D>& line) {
+    if (count_ < kMostLines) lines_[count_++] = line;
+  }
+
+  /// Finds share() and across(). Returns the lanes in which anything is left.
+  ///
+  /// The integral over the polygon is that along its edges, counterclockwise, of the kernel's
+  /// integral up to u: of each edge over the v at which no other line is nearer.
+  hn::Mask<D> integrate(D d) {
+    const auto zero = hn::Zero(d);
+    const auto reach = hn::Set(d, pixel_.radius_px);
+    auto first = reach, last = hn::Neg(reach);
+    for (std::size_t k = 0; k < count_; ++k) {
+      const PixelLine<D>& line = lines_[k];
+      LitPart<D> edge(d, pixel_);
+      for (std::size_t other = 0; other < count_; ++other) {
+        if (other != k) clip_edge(d, line, lines_[other], other < k, edge);
+      }
+      const auto is_edge = hn::And(edge.is_there(), hn::Ne(line.along, zero));
+      if (hn::AllFalse(d, is_edge)) continue;
+      first = hn::IfThenElse(is_edge, hn::Min(first, edge.first), first);
+      last = hn::IfThenElse(is_edge, hn::Max(last, edge.last), last);
+      const auto up_to_u = integral_along(d, line, edge);
+      const auto part = hn::IfThenElse(hn::Lt(line.along, zero), up_to_u, hn::Neg(up_to_u));
+      share_ = hn::Add(share_, hn::IfThenElseZero(is_edge, part));
+    }
+    across_.first = first;
+    across_.last = last;
+    return hn::And(across_.is_there(), hn::Gt(share_, zero));
+  }
+
+  VecOf<D> share() const { return share_; }
+  /// The range of v. Domain: after integrate().
+  const LitPart<D>& across() const { return across_; }
+  /// The range of u at a v.
+  LitPart<D> along_at(D d, VecOf<D> v) const {
+    LitPart<D> part(d, pixel_);
+    for (std::size_t k = 2; k < count_; ++k) {
+      part.clip(d, hn::MulAdd(lines_[k].across, v, lines_[k].height), lines_[k].along);
+    }
+    return part;
+  }
+
+ private:
+  static constexpr std::size_t kMostLines = 32;
+  static constexpr int kStrips = 16;
+
+  // Leaves the v at which a line has the other behind it: of two that bound u from the same side
+  // the nearer one is the edge, of two that face each other it has to be on its side. What is
+  // compared is antisymmetric to the bit, so that of two lines in one place one is left.
+  static HWY_INLINE void clip_edge(D d, const PixelLine<D>& line, const PixelLine<D>& other,
+                                   bool is_other_first, LitPart<D>& edge) {
+    const auto zero = hn::Zero(d);
+    const auto of_line = hn::Abs(line.along), of_other = hn::Abs(other.along);
+    const auto face = hn::Lt(hn::Mul(line.along, other.along), zero);
+    const auto compare = [&](VecOf<D> own, VecOf<D> others) HWY_ATTR {
+      const auto a = hn::Mul(others, of_line), b = hn::Mul(own, of_other);
+      return hn::IfThenElse(face, hn::Add(a, b), hn::Sub(a, b));
+    };
+    const auto height = compare(line.height, other.height);
+    const auto rise = compare(line.across, other.across);
+    edge.clip(d, height, rise);
+    if (!is_other_first) return;
+    const auto same = hn::AndNot(face, hn::And(hn::Eq(height, zero), hn::Eq(rise, zero)));
+    edge.last = hn::IfThenElse(same, edge.first, edge.last);
+  }
+
+  // ∫ K(u(v)) k(v) dv over an edge, K the kernel's integral: in strips, k exactly, K at the middle.
+  VecOf<D> integral_along(D d, const PixelLine<D>& line, const LitPart<D>& edge) const {
+    const auto scale = hn::Div(hn::Set(d, -1.0f), line.along);
+    const auto step = hn::Mul(hn::Sub(edge.last, edge.first), hn::Set(d, 1.0f / kStrips));
+    auto sum = hn::Zero(d);
+    auto begin = edge.first;
+    auto below = LitPart<D>::below(d, pixel_, begin);
+    for (int strip = 0; strip < kStrips; ++strip) {
+      const auto middle = hn::MulAdd(step, hn::Set(d, 0.5f), begin);
+      const auto end = hn::Add(begin, step);
+      const auto up_to_end = LitPart<D>::below(d, pixel_, end);
+      const auto u = hn::Mul(hn::MulAdd(line.across, middle, line.height), scale);
+      sum = hn::MulAdd(hn::Sub(up_to_end, below), LitPart<D>::below(d, pixel_, u), sum);
+      begin = end;
+      below = up_to_end;
+    }
+    return sum;
+  }
+
+  const PixelOnSurface& pixel_;
+  std::array<PixelLine<D>, kMostLines> lines_;
+  std::size_t count_ = 0;
+  LitPart<D> across_;
+  VecOf<D> share_;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -9,8 +9,10 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include "abbe/caustics/flat/flat_caustics.h"
 #include "abbe/caustics/flat/light/chain_places.h"
@@ -38,10 +40,9 @@ class ParallelChainLight {
 
   /// Fills directions to the light, distances to the last facet, and the irradiance across them, 0
   /// in lanes that are not lit. Returns whether any lane is. The light is the mean over a pixel
-  /// about each place, each plane of the lit prism taken along the side that it cuts more squarely.
-  /// The geometry is that of the lit place nearest to each, so that what stands in the way is asked
-  /// where the samples are.
-  /// Places may be off by `rounding_m`.
+  /// about each place. The
+  /// geometry is that of a lit place of the pixel, spread over what is lit as samples are over the
+  /// pixel, so that what stands in the way is asked there. Places may be off by `rounding_m`.
   bool run(const LaneArray3& positions, float rounding_m, const PixelOnSurface& pixel,
            LightGeometry& geometry, ChainPlaces& met) {
     const D d;
@@ -83,6 +84,10 @@ class ParallelChainLight {
   using V3 = Vec3Of<D>;
   using M = hn::Mask<D>;
 
+  static constexpr std::size_t kLastBit = 63;  ///< Stands for all sides from there on.
+
+  using Line = PixelLine<D>;
+
   struct Side {
     V3 normal;
     V offset;
@@ -103,8 +108,7 @@ class ParallelChainLight {
     const D d;
     const auto zero = hn::Zero(d);
     const auto one = hn::Set(d, 1.0f);
-    const Vec3f to_pixel = pixel.shift - chain_.origin;
-    V3 place = Combine3(d, one, Load3(d, positions, i), one, Set3(d, to_pixel));
+    V3 place = Combine3(d, one, Load3(d, positions, i), one, Set3(d, -chain_.origin));
     const V weight = hn::LoadU(d, rows_.weight + i);
     V irradiance = hn::Mul(weight, hn::LoadU(d, tables_.row(light_.row, set_) + i));
     const M lit = clip_to_lit(hn::Gt(weight, zero), pixel, i, place, irradiance);
@@ -123,37 +127,83 @@ class ParallelChainLight {
   }
 
   // The lanes of `lit` whose pixel the light falls on, the light of the whole pixel, and the lit
-  // place that is nearest to the one at hand.
+  // place of it that is nearest to the one at hand.
   M clip_to_lit(M lit, const PixelOnSurface& pixel, int i, V3& place, V& irradiance) const {
     const D d;
-    const auto zero = hn::Zero(d);
-    const V3 side_x = Set3(d, pixel.sides[0]);
-    const V3 side_y = Set3(d, pixel.sides[1]);
-    LitPart<D> part_x(d, pixel), part_y(d, pixel);
+    // Most sides leave all of a pixel or nothing.
+    std::uint64_t cuts = 0;
+    float cut_by_x = 0.0f, cut_by_y = 0.0f;
     for (std::size_t s = 0; s < chain_.side_count && !hn::AllFalse(d, lit); ++s) {
       const Side side = side_at(s, i);
-      V height = hn::Add(Dot3(d, side.normal, place), side.offset);
-      // What the last facet stands on is lit.
-      if (s == 0) height = hn::Add(height, hn::Set(d, rounding_m_));
       if (pixel.is_point()) {
-        lit = hn::And(lit, hn::Ge(height, zero));
+        lit = hn::And(lit, hn::Ge(height_of(side, s, place), hn::Zero(d)));
         continue;
       }
-      const V rise_x = Dot3(d, side.normal, side_x);
-      const V rise_y = Dot3(d, side.normal, side_y);
-      const M is_flat = hn::Eq(hn::Max(hn::Abs(rise_x), hn::Abs(rise_y)), zero);
-      const M by_x = hn::Ge(hn::Abs(rise_x), hn::Abs(rise_y));
-      part_x.clip(d, hn::AndNot(is_flat, by_x), height, rise_x);
-      part_y.clip(d, hn::Not(by_x), height, rise_y);
-      lit = hn::And(lit, hn::Or(hn::AndNot(is_flat, hn::And(part_x.is_there(), part_y.is_there())),
-                                hn::And(is_flat, hn::Ge(height, zero))));
+      const Line line = line_of(side, s, pixel, 0, place);
+      const V rise_x = hn::Abs(line.along), rise_y = hn::Abs(line.across);
+      const V most = hn::Mul(hn::Set(d, pixel.radius_px), hn::Add(rise_x, rise_y));
+      lit = hn::And(lit, hn::Ge(line.height, hn::Neg(most)));
+      const M is_cut = hn::And(lit, hn::Lt(line.height, most));
+      if (hn::AllFalse(d, is_cut)) continue;
+      cuts |= std::uint64_t{1} << std::min<std::size_t>(s, kLastBit);
+      cut_by_x += hn::GetLane(hn::SumOfLanes(d, hn::IfThenElseZero(is_cut, rise_x)));
+      cut_by_y += hn::GetLane(hn::SumOfLanes(d, hn::IfThenElseZero(is_cut, rise_y)));
     }
-    if (pixel.is_point() || hn::AllFalse(d, lit)) return lit;
-    const auto one = hn::Set(d, 1.0f);
-    irradiance = hn::Mul(irradiance, hn::Mul(part_x.share(d, pixel), part_y.share(d, pixel)));
-    place = Combine3(d, one, place, part_x.nearest(d, pixel.offset_px.x), side_x);
-    place = Combine3(d, one, place, part_y.nearest(d, pixel.offset_px.y), side_y);
+    if (cuts == 0 || hn::AllFalse(d, lit)) return lit;
+    return clip_area(lit, cuts, pixel, cut_by_x >= cut_by_y ? 0 : 1, i, place, irradiance);
+  }
+
+  // The same for the sides of `cuts`, of which u runs along the side of the pixel of that number.
+  M clip_area(M lit, std::uint64_t cuts, const PixelOnSurface& pixel, int axis, int i, V3& place,
+              V& irradiance) const {
+    const D d;
+    LitArea<D> area(d, pixel);
+    for (std::size_t s = 0; s < chain_.side_count; ++s) {
+      if ((cuts >> std::min<std::size_t>(s, kLastBit) & 1) == 0) continue;
+      area.add(line_of(side_at(s, i), s, pixel, axis, place));
+    }
+    lit = hn::And(lit, area.integrate(d));
+    if (hn::AllFalse(d, lit)) return lit;
+    irradiance = hn::Mul(irradiance, area.share());
+    const float along_px = pixel.offset_px[axis], across_px = pixel.offset_px[1 - axis];
+    const V at = area.across().nearest(d, across_px);
+    const V v = hn::Sub(at, hn::Set(d, across_px));
+    const V u = hn::Sub(area.along_at(d, at).nearest(d, along_px), hn::Set(d, along_px));
+    const V nearness =
+        hn::MulAdd(u, hn::Set(d, pixel.closer[axis]),
+                   hn::MulAdd(v, hn::Set(d, pixel.closer[1 - axis]), hn::Set(d, 1.0f)));
+    place = moved(place, hn::Div(u, nearness), pixel.sides[static_cast<std::size_t>(axis)]);
+    place = moved(place, hn::Div(v, nearness), pixel.sides[static_cast<std::size_t>(1 - axis)]);
     return lit;
+  }
+
+  static HWY_INLINE V3 moved(const V3& place, V by, const Vec3f& side) {
+    const D d;
+    return Combine3(d, hn::Set(d, 1.0f), place, by, Set3(d, side));
+  }
+
+  // A side as a line in the pixel, u along its side of that number: above it, where
+  // height + along·u + across·v ≥ 0, from the pixel's middle.
+  HWY_INLINE Line line_of(const Side& side, std::size_t number, const PixelOnSurface& pixel,
+                          int axis, const V3& place) const {
+    const D d;
+    const V height = height_of(side, number, place);
+    const auto rise = [&](int k) HWY_ATTR {
+      const V3 moved_px = Set3(d, pixel.sides[static_cast<std::size_t>(k)]);
+      return hn::MulAdd(height, hn::Set(d, pixel.closer[k]), Dot3(d, side.normal, moved_px));
+    };
+    const V along = rise(axis), across = rise(1 - axis);
+    const V to_middle = hn::MulAdd(along, hn::Set(d, pixel.offset_px[axis]),
+                                   hn::Mul(across, hn::Set(d, pixel.offset_px[1 - axis])));
+    return {hn::Sub(height, to_middle), along, across};
+  }
+
+  // Of a place above a side, up to which the light comes.
+  HWY_INLINE V height_of(const Side& side, std::size_t number, const V3& place) const {
+    const D d;
+    const V height = hn::Add(Dot3(d, side.normal, place), side.offset);
+    // What the last facet stands on is lit.
+    return number == 0 ? hn::Add(height, hn::Set(d, rounding_m_)) : height;
   }
 
   // Goes back from a place over the facets; returns what is left of its light after what absorbs

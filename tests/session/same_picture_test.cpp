@@ -40,6 +40,7 @@ TEST_P(SamePicture, to_the_bit) {
 INSTANTIATE_TEST_SUITE_P(files, SamePicture,
                          testing::Values(Pair{"01b_sparse_indices", "01b_sparse_plain"},
                                          Pair{"15_offset_65536", "15_offset_0"},
+                                         Pair{"28_quant_1", "28_quant_0"},
                                          Pair{"16_count0", "16_ref"}, Pair{"16_stride0", "16_ref"},
                                          Pair{"16_twice", "16_ref"}, Pair{"16_nonroot", "16_ref"},
                                          Pair{"16_webpsource", "16_ref"},

@@ -95,6 +95,20 @@ TEST(WorldTexture, wide_footprint_sees_the_mean_of_any_size) {
   }
 }
 
+TEST(WorldTexture, footprint_is_as_much_wider_as_the_transform_makes_it) {
+  TextureUse use;
+  use.uv_linear = {0.0f, 0.25f, -1.0f, 0.0f};  // A quarter turn; a quarter of the area.
+  EXPECT_EQ(uv_scale(use), 0.5f);
+  const std::vector<std::uint8_t> codes{0, 255, 0, 255, 255, 0, 0, 0};
+  const auto pyramid =
+      std::make_shared<const TexturePyramid>(row_of(codes), TextureEncoding::Data, true);
+  const WorldTexture texture(pyramid, {}, TextureEncoding::Data, RgbSpace::Rec709, 0.5f);
+  const WorldTexture plain(pyramid, {}, TextureEncoding::Data, RgbSpace::Rec709);
+  for (const float footprint : {0.1f, 0.3f, 0.6f, 2.0f}) {
+    EXPECT_EQ(red_at(texture, 0.3f, footprint), red_at(plain, 0.3f, 0.5f * footprint));
+  }
+}
+
 TEST(WorldTexture, codes_are_shared_with_the_scene_and_mipmaps_take_half_as_much) {
   std::vector<std::uint8_t> codes(std::size_t{4} * 64 * 64);
   for (std::size_t i = 0; i < codes.size(); ++i) {

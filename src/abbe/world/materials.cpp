@@ -79,11 +79,13 @@ class Tabulator {
   std::vector<WorldTexture> take_textures() { return std::move(textures_); }
 
  private:
-  // A texture image may be used both as colour and as data: one WorldTexture for each.
+  // A texture image may be used both as colour and as data, and at several scales: one WorldTexture
+  // for each, which share their texels.
   std::optional<TextureUse> use(const std::optional<TextureUse>& source, TextureEncoding encoding) {
     if (!source) return std::nullopt;
+    const float scale = uv_scale(*source);
     const auto [found, is_new] =
-        texture_number_.try_emplace({source->texture, encoding}, textures_.size());
+        texture_number_.try_emplace({source->texture, encoding, scale}, textures_.size());
     if (is_new) {
       const Texture& texture = scene_.textures[source->texture];
       const bool has_mipmaps = texture.filter == TextureFilter::Linear;
@@ -93,7 +95,7 @@ class Tabulator {
         pyramid = std::make_shared<const TexturePyramid>(scene_.images[texture.image], encoding,
                                                          has_mipmaps);
       }
-      textures_.emplace_back(pyramid, texture, encoding, scene_.color_space);
+      textures_.emplace_back(pyramid, texture, encoding, scene_.color_space, scale);
     }
     TextureUse result = *source;
     result.texture = static_cast<std::uint32_t>(found->second);
@@ -155,7 +157,7 @@ class Tabulator {
   const Scene& scene_;
   const LaneModel& lanes_;
   Rows& rows_;
-  std::map<std::pair<std::uint32_t, TextureEncoding>, std::size_t> texture_number_;
+  std::map<std::tuple<std::uint32_t, TextureEncoding, float>, std::size_t> texture_number_;
   std::vector<WorldTexture> textures_;
 };
 

@@ -132,11 +132,12 @@ WorldTexture::WorldTexture(const TextureImage& image, const Texture& texture,
                    texture, encoding, space) {}
 
 WorldTexture::WorldTexture(std::shared_ptr<const TexturePyramid> pyramid, const Texture& texture,
-                           TextureEncoding encoding, RgbSpace space)
+                           TextureEncoding encoding, RgbSpace space, float uv_scale)
     : pyramid_(std::move(pyramid)),
       wrap_s_(texture.wrap_s),
       wrap_t_(texture.wrap_t),
-      filter_(texture.filter) {
+      filter_(texture.filter),
+      uv_scale_(uv_scale) {
   if (encoding == TextureEncoding::Srgb && space != RgbSpace::Rec709) {
     to_rec709_ = glm::mat3(rgb_to_rec709(space));
   }
@@ -163,7 +164,7 @@ Vec4f WorldTexture::bilinear(const Level& level, const Vec2f& uv) const {
 }
 
 Vec4f WorldTexture::value(const Vec2f& uv, float footprint_uv) const {
-  const Vec4f value = filtered(uv, footprint_uv);
+  const Vec4f value = filtered(uv, uv_scale_ * footprint_uv);
   return to_rec709_ ? Vec4f(*to_rec709_ * Vec3f(value), value.w) : value;
 }
 

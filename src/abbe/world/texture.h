@@ -1,6 +1,7 @@
 /// Textures ready for look-up: linear, with mipmaps.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -57,11 +58,13 @@ class WorldTexture {
   /// Colours are those of `space`; beyond Rec.709 they have channels outside [0, 1].
   WorldTexture(const TextureImage& image, const Texture& texture, TextureEncoding encoding,
                RgbSpace space = RgbSpace::Rec709);
-  /// Of a pyramid that others may share, made for the encoding.
+  /// Of a pyramid that others may share, made for the encoding, for uses whose transform has this
+  /// scale.
   WorldTexture(std::shared_ptr<const TexturePyramid> pyramid, const Texture& texture,
-               TextureEncoding encoding, RgbSpace space);
+               TextureEncoding encoding, RgbSpace space, float uv_scale = 1.0f);
 
-  /// Trilinear (or nearest) look-up. `footprint_uv` is the width of what is seen, in units of uv.
+  /// Trilinear (or nearest) look-up. `footprint_uv` is the width of what is seen, in units of uv
+  /// before a use's transform; `uv` is after it.
   /// Domain: any uv; not-a-number counts as 0.
   Vec4f value(const Vec2f& uv, float footprint_uv) const;
 
@@ -75,6 +78,7 @@ class WorldTexture {
   std::shared_ptr<const TexturePyramid> pyramid_;
   TextureWrap wrap_s_, wrap_t_;
   TextureFilter filter_;
+  float uv_scale_;
   std::optional<glm::mat3> to_rec709_;  // Of colours of another space.
 };
 
@@ -82,6 +86,12 @@ class WorldTexture {
 inline Vec2f transformed_uv(const TextureUse& use, const Vec2f& uv) {
   return {use.uv_linear[0] * uv.x + use.uv_linear[1] * uv.y + use.uv_offset.x,
           use.uv_linear[2] * uv.x + use.uv_linear[3] * uv.y + use.uv_offset.y};
+}
+
+/// By how much a use's transform widens: the root of what it makes of an area.
+inline float uv_scale(const TextureUse& use) {
+  const auto& m = use.uv_linear;
+  return std::sqrt(std::abs(m[0] * m[3] - m[1] * m[2]));
 }
 
 }  // namespace abbe

@@ -10,8 +10,8 @@
 
 namespace abbe {
 
-/// Adds an option whose help shows `placeholder`. An empty text, as from a variable of the shell that
-/// is not set, is a usage Error and not the default.
+/// Adds an option whose help shows `placeholder`. An empty text, as from a variable of the shell
+/// that is not set, is a usage Error and not the default.
 template <typename T>
 CLI::Option* add_shown(CLI::App& command, const std::string& name, T& value,
                        const std::string& placeholder, const std::string& description) {

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 std::string moving_ball() {
   return R"({
   "asset": {"version": "2.0"},
-  "extensionsUsed": ["ABBE_shape"],
+  "extensionsUsed": ["ABBE_shape", "VENDOR_magic"],
   "scene": 0, "scenes": [{"nodes": [0, 1]}],
   "nodes": [{"mesh": 0}, {"camera": 0, "translation": [1.5, 0, 5]}],
   "cameras": [{"type": "orthographic",
@@ -76,6 +76,9 @@ TEST_F(MotionTest, frames_are_files_of_their_own) {
       with_small({"render", "ball.gltf", "-o", "f.###.exr", "--frames", "9:11", "--fps", "5"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(new_files(), ElementsAre("f.009.exr", "f.010.exr", "f.011.exr"));
+  const std::string note = "VENDOR_magic";  // Said once.
+  EXPECT_THAT(run.err, HasSubstr(note));
+  EXPECT_EQ(run.err.find(note), run.err.rfind(note)) << run.err;
   ASSERT_EQ(abbe(with_small({"render", "ball.gltf", "-o", "t.exr", "--time", "2"})).exit_code, 0);
   // The same but for the exposure, which is that of the first frame.
   EXPECT_EQ(read_exr(file("f.010.exr")).pixels, read_exr(file("t.exr")).pixels);

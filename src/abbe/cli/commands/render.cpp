@@ -13,6 +13,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "abbe/base/file.h"
@@ -48,6 +49,25 @@ void write_images(const RenderArguments& arguments, Image image) {
   if (!exrs.empty()) {
     write_exrs_in(arguments.color_space, exrs, std::move(image), arguments.exr, display);
   }
+}
+
+// What the frames of a sequence share.
+struct Shared {
+  std::optional<double> metered_ev;  // Of the first, so that a sequence does not flicker.
+  std::set<std::string> said;        // So that nothing is said of every frame.
+};
+
+Notes unsaid(const Notes& notes, Shared& shared) {
+  Notes fresh;
+  std::set<std::string> now;
+  for (const Note& note : notes.all()) {
+    if (shared.said.contains(note.text)) continue;
+    now.insert(note.text);
+    note.kind == NoteKind::Warning ? fresh.warn(note.where, note.text)
+                                   : fresh.info(note.where, note.text);
+  }
+  shared.said.merge(now);
+  return fresh;
 }
 
 // Settles how display images are exposed. Returns the EV that belongs to the scene: what it states,
@@ -119,7 +139,7 @@ void check_render_arguments(RenderArguments& arguments) {
 
 namespace {
 
-ExitCode render_one(RenderArguments& arguments, std::optional<double>& metered_ev) {
+ExitCode render_one(RenderArguments& arguments, Shared& shared) {
   const Clock::time_point start = Clock::now();
   check_render_arguments(arguments);
   const Console console(arguments.quiet);
@@ -140,8 +160,9 @@ ExitCode render_one(RenderArguments& arguments, std::optional<double>& metered_e
   times.build_seconds = world.build_seconds;
 
   const InterruptGuard interrupt;
-  console.show(notes);
-  const double exposure_ev = settle_exposure(arguments, prepared, world, console, metered_ev);
+  console.show(unsaid(notes, shared));
+  const double exposure_ev =
+      settle_exposure(arguments, prepared, world, console, shared.metered_ev);
   ProgressLine progress(console.is_live());
   Film film(film_options(settings));
   const RenderResult result = render(
@@ -199,12 +220,12 @@ void check_sequence(const RenderArguments& arguments) {
 
 ExitCode run_render(RenderArguments& arguments) {
   check_sequence(arguments);
-  std::optional<double> metered_ev;
-  if (arguments.frames.empty()) return render_one(arguments, metered_ev);
+  Shared shared;
+  if (arguments.frames.empty()) return render_one(arguments, shared);
   const FrameRange range = parse_frames(arguments.frames);
   for (std::uint32_t frame = range.first; frame <= range.last; ++frame) {
     RenderArguments one = frame_arguments(arguments, frame);
-    const ExitCode code = render_one(one, metered_ev);
+    const ExitCode code = render_one(one, shared);
     if (code != ExitCode::Done) return code;
   }
   return ExitCode::Done;

@@ -199,6 +199,10 @@ TEST_F(GltfMotion, animation_that_breaks_a_rule_moves_nothing_and_says_so) {
   load_at(1);
   EXPECT_THAT(notes_text(), HasSubstr("6 numbers, expected 18 for 2 keys with their tangents"));
   document.erase("animations");
+  animate(0, "translation", {1}, Floats{1, 0, std::nanf("")}, "VEC3", "LINEAR");
+  expect_near(origin(load_at(1)), {0, 0, 0});
+  EXPECT_THAT(notes_text(), HasSubstr("a value that is not finite"));
+  document.erase("animations");
   node()["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1};
   animate(0, "translation", {1}, Floats{1, 0, 0}, "VEC3", "LINEAR");
   expect_near(origin(load_at(1)), {5, 6, 7});

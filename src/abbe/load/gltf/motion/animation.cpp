@@ -81,6 +81,12 @@ class Curves {
     curve.times_s = times(sampler["input"].get<int>(), pointer + "/input");
     curve.values = values(sampler["output"].get<int>(), pointer + "/output", path);
     if (!are_times(curve.times_s, pointer)) return std::nullopt;
+    if (!std::all_of(curve.values.begin(), curve.values.end(),
+                     [](float value) { return std::isfinite(value); })) {
+      document_.fault(pointer + "/output", "a value that is not finite", "finite values",
+                      "it moves nothing");
+      return std::nullopt;
+    }
     const bool is_spline = curve.interpolation == Interpolation::CubicSpline;
     const std::size_t expected = (is_spline ? 3 : 1) * width * curve.times_s.size();
     if (curve.values.size() != expected) {

@@ -95,6 +95,18 @@ TEST_F(OddDocument, attenuation_distance_of_zero_absorbs_nothing) {
   EXPECT_TRUE(std::isinf(scene.materials[0].attenuation_distance_m));
 }
 
+TEST_F(OddDocument, mesh_without_primitives_is_left_out) {
+  document["meshes"].push_back({{"primitives", Json::array()}});
+  document["nodes"].push_back({{"mesh", 1}});
+  document["scenes"][0]["nodes"] = {0, 1};
+  expect_fault("/meshes/1/primitives: no primitive, expected one or more");
+}
+
+TEST_F(OddDocument, file_of_which_nothing_is_left_ends_with_its_fault) {
+  document["meshes"][0]["primitives"] = Json::array();
+  EXPECT_THAT(error(), testing::HasSubstr("/meshes/0/primitives: found no primitive"));
+}
+
 TEST_F(OddDocument, range_of_zero_is_none) {
   document["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"range", 0}}};
   node()["extensions"]["KHR_lights_punctual"]["light"] = 0;

@@ -109,6 +109,14 @@ TEST_F(MotionTest, sequences_that_cannot_be_are_usage_errors) {
   EXPECT_TRUE(new_files().empty());
 }
 
+TEST_F(MotionTest, reference_image_of_a_posed_scene_is_made_again) {
+  ASSERT_EQ(
+      abbe(with_small({"golden", "make", "ball.gltf", "-o", "gold", "--time", "1"})).exit_code, 0);
+  EXPECT_THAT(columns("gold/ball_spectral.exr"), ElementsAre(false, true, false, false));
+  const Outcome run = abbe({"golden", "check", "gold"});
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+}
+
 TEST_F(MotionTest, inspect_lists_animations) {
   const json scene = parsed({"inspect", "ball.gltf", "--json"});
   EXPECT_EQ(scene.at("animations").at(0).at("name"), "roll");

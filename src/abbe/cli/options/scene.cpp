@@ -12,7 +12,6 @@ namespace abbe {
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("SCENE", options.choice.file, "glTF scene, .gltf or .glb")->required();
-  add_reading_options(command, options.choice);
   add_view_options(command, options);
 }
 
@@ -40,6 +39,7 @@ void add_view_options(CLI::App& command, SceneOptions& options) {
       command, "--lamp", options.choice.lamp, "ID",
       "spectrum of the catalogue for all lamps of the scene, as illuminant/A; their brightness "
       "stays (default: the scene's own)");
+  add_reading_options(command, options.choice);
   add_light_options(command, options.choice, options.rig, options.emissive_light);
   add_shown(
       command, "--mode", options.mode, "MODE",

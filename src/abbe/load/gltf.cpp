@@ -138,9 +138,13 @@ class Placer {
     const tinygltf::Mesh& mesh = model_.meshes[static_cast<std::size_t>(source.mesh)];
     Use use{source.mesh, -1, morph_weights(source, mesh, places_.pose_of(node.index), pointer)};
     if (source.skin < 0) return use;
-    const bool can_be_skinned =
-        std::any_of(mesh.primitives.begin(), mesh.primitives.end(), has_joints);
-    if (can_be_skinned && !read_shape(document_, source.mesh)) {
+    // Once a mesh: many nodes may use one of many primitives.
+    const auto [known, is_new] = can_be_skinned_.emplace(source.mesh, false);
+    if (is_new) {
+      known->second = std::any_of(mesh.primitives.begin(), mesh.primitives.end(), has_joints) &&
+                      !read_shape(document_, source.mesh);
+    }
+    if (known->second) {
       use.skin = source.skin;
     } else {
       document_.fault(pointer + "/skin", "a skin for a mesh without JOINTS_0 and WEIGHTS_0",
@@ -157,6 +161,7 @@ class Placer {
     std::vector<double> weights = is_posed     ? pose->weights
                                   : is_of_node ? node.weights
                                                : mesh.weights;
+    accessors_.spend(weights.size(), pointer);
     if (!weights.empty() && weights.size() != targets) {
       document_.fault(
           is_of_node ? pointer + "/weights" : fmt::format("/meshes/{}/weights", node.mesh),
@@ -354,6 +359,7 @@ class Placer {
   Scene& scene_;
   std::map<Use, Converted> converted_;
   std::map<int, PosedSkin> skins_;
+  std::map<int, bool> can_be_skinned_;
   std::optional<std::uint32_t> default_material_;
   std::uint64_t placed_triangles_ = 0;
   std::uint64_t placed_planes_ = 0;

@@ -221,9 +221,10 @@ void move_vertices(Document& document, Accessors& accessors, const tinygltf::Pri
   const auto targets =
       read_morph_targets(document, accessors, source, deformation.weights, selected, pointer);
   std::vector<JointSet> joints;
-  std::vector<Mat4d> matrices;
+  static const std::vector<Mat4d> kNone;
+  const std::vector<Mat4d>& matrices =
+      deformation.skin == nullptr ? kNone : deformation.skin->joint_matrices;
   if (deformation.skin != nullptr && has_joints(source)) {
-    matrices = deformation.skin->joint_matrices;
     mesh.joints = static_cast<std::uint32_t>(matrices.size());
     joints = read_joints(document, accessors, source, matrices.size(), selected, pointer);
   }

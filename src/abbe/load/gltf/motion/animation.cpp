@@ -54,9 +54,9 @@ class Curves {
   Curves(Document& document, Accessors& accessors) : document_(document), accessors_(accessors) {}
 
   const std::vector<float>& times(int accessor, const std::string& user) {
+    accessors_.spend(accessors_.count(accessor), user);  // They are looked at for each curve.
     auto known = times_.find(accessor);
     if (known == times_.end()) {
-      accessors_.spend(accessors_.count(accessor), user);
       known =
           times_.emplace(accessor, accessors_.scalars(accessor, user, Components::FloatOnly)).first;
     }

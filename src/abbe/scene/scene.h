@@ -102,6 +102,58 @@ struct ThinFilm {
 /// always, or never.
 enum class LightsOthers : std::uint8_t { Auto, Yes, No };
 
+/// KHR_materials_clearcoat: a clear layer of index 1.5 on top of everything else.
+/// Domain: factor, the share of the surface that it covers, and roughness in [0, 1].
+struct Clearcoat {
+  float factor = 0.0f;
+  std::optional<TextureUse> factor_texture;  ///< R.
+  float roughness = 0.0f;
+  std::optional<TextureUse> roughness_texture;  ///< G.
+  std::optional<TextureUse> normal_texture;     ///< Without one it is as smooth as the mesh.
+  float normal_scale = 1.0f;
+};
+
+/// KHR_materials_sheen: fibres that stand on the surface, under a clearcoat.
+/// Domain: colour and roughness in [0, 1].
+struct Sheen {
+  Vec3f color_rec709{0.0f};
+  std::optional<TextureUse> color_texture;  ///< sRGB encoded.
+  float roughness = 0.0f;
+  std::optional<TextureUse> roughness_texture;  ///< A.
+};
+
+/// KHR_materials_anisotropy: microfacets that are rougher along one direction.
+/// Units: rotation_rad from the tangent, counter-clockwise. Domain: strength in [0, 1].
+struct Anisotropy {
+  float strength = 0.0f;
+  float rotation_rad = 0.0f;
+  std::optional<TextureUse> texture;  ///< RG the direction, B times the strength.
+};
+
+/// KHR_materials_specular: what a dielectric reflects, apart from its index.
+/// Domain: factor in [0, 1]; colour >= 0, also above 1: the reflectance at normal incidence, which
+///         it multiplies, is limited to 1.
+struct SpecularPart {
+  float factor = 1.0f;
+  std::optional<TextureUse> factor_texture;  ///< A.
+  Vec3f color_rec709{1.0f};
+  std::optional<TextureUse> color_texture;  ///< sRGB encoded.
+
+  /// Whether it says no more than the index does.
+  bool is_plain() const {
+    return factor == 1.0f && color_rec709 == Vec3f(1.0f) && !factor_texture && !color_texture;
+  }
+};
+
+/// KHR_materials_diffuse_transmission: light that comes out diffusely on the other side.
+/// Domain: factor, its share of what is diffuse, and colour in [0, 1].
+struct DiffuseTransmission {
+  float factor = 0.0f;
+  std::optional<TextureUse> factor_texture;  ///< A.
+  Vec3f color_rec709{1.0f};
+  std::optional<TextureUse> color_texture;  ///< sRGB encoded.
+};
+
 /// Emission given by spectrum and luminance (cd/m²) instead of RGB.
 struct SpectralEmission {
   NamedSpectrum spectrum;
@@ -129,6 +181,8 @@ struct Material {
   float metallic = 1.0f;
   float roughness = 1.0f;
   std::optional<TextureUse> metallic_roughness_texture;  ///< G roughness, B metallic.
+  /// A: how glossy it is, where the roughness is 1 less the product of this and 1 − roughness.
+  std::optional<TextureUse> glossiness_texture;
   std::optional<TextureUse> normal_texture;
   float normal_scale = 1.0f;
 
@@ -151,6 +205,11 @@ struct Material {
 
   std::optional<Conductor> conductor;
   std::optional<ThinFilm> film;
+  std::optional<Clearcoat> clearcoat;
+  std::optional<Sheen> sheen;
+  std::optional<Anisotropy> anisotropy;
+  std::optional<SpecularPart> specular;
+  std::optional<DiffuseTransmission> diffuse_transmission;
   std::optional<double> ambient_factor;  ///< k_a; default: diffuse albedo × (1 − F).
   /// Of closed bodies that overlap, the one of the highest owns the space.
   std::int16_t priority = 0;

@@ -23,6 +23,10 @@ bool is_amount(double x) {
   return x >= 0.0 && std::isfinite(x);
 }
 
+bool are_unit(const Vec3f& v) {
+  return is_unit(v.x) && is_unit(v.y) && is_unit(v.z);
+}
+
 template <typename V>
 bool is_finite(const V& v) {
   for (int i = 0; i < V::length(); ++i) {
@@ -105,9 +109,29 @@ class Validator {
 
   void check(const Material& m) const {
     const ThinFilm film = m.film.value_or(ThinFilm{});
-    for (const auto* use : {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
-                            &m.emissive_texture, &m.transmission_texture, &film.factor_texture,
-                            &film.thickness_texture}) {
+    const Clearcoat coat = m.clearcoat.value_or(Clearcoat{});
+    const Sheen sheen = m.sheen.value_or(Sheen{});
+    const Anisotropy anisotropy = m.anisotropy.value_or(Anisotropy{});
+    const SpecularPart specular = m.specular.value_or(SpecularPart{});
+    const DiffuseTransmission through = m.diffuse_transmission.value_or(DiffuseTransmission{});
+    require(is_unit(coat.factor) && is_unit(coat.roughness) && std::isfinite(coat.normal_scale),
+            "a clearcoat", "factor and roughness in [0, 1]");
+    require(are_unit(sheen.color_rec709) && is_unit(sheen.roughness), "a sheen",
+            "colour and roughness in [0, 1]");
+    require(is_unit(anisotropy.strength) && std::isfinite(anisotropy.rotation_rad), "an anisotropy",
+            "a strength in [0, 1]");
+    require(is_unit(specular.factor) && is_amount(specular.color_rec709.x) &&
+                is_amount(specular.color_rec709.y) && is_amount(specular.color_rec709.z),
+            "a specular part", "a factor in [0, 1], a colour of at least 0");
+    require(is_unit(through.factor) && are_unit(through.color_rec709), "a diffuse transmission",
+            "factor and colour in [0, 1]");
+    for (const auto* use :
+         {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
+          &m.emissive_texture, &m.transmission_texture, &m.glossiness_texture, &film.factor_texture,
+          &film.thickness_texture, &coat.factor_texture, &coat.roughness_texture,
+          &coat.normal_texture, &sheen.color_texture, &sheen.roughness_texture, &anisotropy.texture,
+          &specular.factor_texture, &specular.color_texture, &through.factor_texture,
+          &through.color_texture}) {
       if (!*use) continue;
       require((*use)->texture < scene_.textures.size(), "a texture out of range",
               "an index into textures");

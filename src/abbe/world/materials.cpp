@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -41,6 +42,7 @@ class Tabulator {
         use(source.metallic_roughness_texture, TextureEncoding::Data);
     material.normal_texture = use(source.normal_texture, TextureEncoding::Data);
     material.transmission_texture = use(source.transmission_texture, TextureEncoding::Data);
+    material.glossiness_texture = use(source.glossiness_texture, TextureEncoding::Data);
     material.normal_scale = source.normal_scale;
     material.metallic = source.metallic;
     material.roughness = source.roughness;
@@ -72,6 +74,7 @@ class Tabulator {
       material.absorption_per_m = absorption(source);
     }
     material.film = film(source);
+    material.layers = layers(source);
     add_emission(source, material);
     return material;
   }
@@ -129,6 +132,55 @@ class Tabulator {
         .thickness_max_nm = source.film->thickness_max_nm,
         .factor_texture = use(source.film->factor_texture, TextureEncoding::Data),
         .thickness_texture = use(source.film->thickness_texture, TextureEncoding::Data)};
+  }
+
+  ColorUse color(const Vec3f& factor_rec709, const std::optional<TextureUse>& texture) {
+    ColorUse result;
+    result.factor_rec709 = factor_rec709;
+    result.texture = use(texture, TextureEncoding::Srgb);
+    result.scale = std::max({1.0f, factor_rec709.x, factor_rec709.y, factor_rec709.z});
+    result.row = rows_.add(lanes_.reflectance(RgbRec709{Vec3d(factor_rec709 / result.scale)}));
+    return result;
+  }
+
+  std::optional<SurfaceLayers> layers(const Material& source) {
+    if (source.unlit) return std::nullopt;
+    SurfaceLayers layers;
+    bool any = false;
+    if (source.clearcoat && source.clearcoat->factor > 0.0f) {
+      Clearcoat& coat = layers.coat.emplace(*source.clearcoat);
+      coat.factor_texture = use(coat.factor_texture, TextureEncoding::Data);
+      coat.roughness_texture = use(coat.roughness_texture, TextureEncoding::Data);
+      coat.normal_texture = use(coat.normal_texture, TextureEncoding::Data);
+      any = true;
+    }
+    if (source.sheen && source.sheen->color_rec709 != Vec3f(0.0f)) {
+      layers.sheen = {
+          .color = color(source.sheen->color_rec709, source.sheen->color_texture),
+          .roughness = source.sheen->roughness,
+          .roughness_texture = use(source.sheen->roughness_texture, TextureEncoding::Data)};
+      any = true;
+    }
+    if (source.anisotropy && source.anisotropy->strength > 0.0f) {
+      layers.anisotropy = source.anisotropy;
+      layers.anisotropy->texture = use(source.anisotropy->texture, TextureEncoding::Data);
+      any = true;
+    }
+    if (source.specular && !source.specular->is_plain() && !source.conductor) {
+      layers.specular = {
+          .factor = source.specular->factor,
+          .factor_texture = use(source.specular->factor_texture, TextureEncoding::Data),
+          .color = color(source.specular->color_rec709, source.specular->color_texture)};
+      any = true;
+    }
+    if (source.diffuse_transmission && source.diffuse_transmission->factor > 0.0f) {
+      const DiffuseTransmission& through = *source.diffuse_transmission;
+      layers.through = {.factor = through.factor,
+                        .factor_texture = use(through.factor_texture, TextureEncoding::Data),
+                        .color = color(through.color_rec709, through.color_texture)};
+      any = true;
+    }
+    return any ? std::optional(std::move(layers)) : std::nullopt;
   }
 
   void add_emission(const Material& source, SurfaceMaterial& material) {

@@ -23,6 +23,46 @@ enum class Transmission : std::uint8_t {
   Medium,     ///< The boundary of a medium.
 };
 
+/// A colour that a factor and a texture make. Colours above 1 are `scale` times one within.
+struct ColorUse {
+  Vec3f factor_rec709{1.0f};
+  std::optional<TextureUse> texture;
+  float scale = 1.0f;
+  RowId row = 0;  ///< Of the untextured factor, over `scale`.
+};
+
+/// What a material has beyond base, metal, transmission and film: as in the scene, but for colours.
+struct SurfaceLayers {
+  std::optional<Clearcoat> coat;
+  struct Fibres {
+    ColorUse color;
+    float roughness = 0.0f;
+    std::optional<TextureUse> roughness_texture;
+  };
+  std::optional<Fibres> sheen;
+  std::optional<Anisotropy> anisotropy;
+  struct Dielectric {
+    float factor = 1.0f;
+    std::optional<TextureUse> factor_texture;
+    ColorUse color;
+  };
+  std::optional<Dielectric> specular;
+  struct Through {
+    float factor = 0.0f;
+    std::optional<TextureUse> factor_texture;
+    ColorUse color;
+  };
+  std::optional<Through> through;
+
+  bool is_textured() const {
+    return (coat && (coat->factor_texture || coat->roughness_texture)) ||
+           (sheen && (sheen->color.texture || sheen->roughness_texture)) ||
+           (anisotropy && anisotropy->texture) ||
+           (specular && (specular->factor_texture || specular->color.texture)) ||
+           (through && (through->factor_texture || through->color.texture));
+  }
+};
+
 /// A material ready to shade. Rows hold one value per lane.
 struct SurfaceMaterial {
   std::string name;
@@ -30,7 +70,7 @@ struct SurfaceMaterial {
   Vec4f base_color_rec709{1.0f};
   bool base_color_is_spectrum = false;  ///< A measured reflectance: textures multiply it.
   std::optional<TextureUse> base_color_texture, metallic_roughness_texture, normal_texture,
-      emissive_texture, transmission_texture;
+      emissive_texture, transmission_texture, glossiness_texture;
   float normal_scale = 1.0f;
   float metallic = 0.0f;
   float roughness = 1.0f;
@@ -61,6 +101,7 @@ struct SurfaceMaterial {
     std::optional<TextureUse> factor_texture, thickness_texture;
   };
   std::optional<Film> film;
+  std::optional<SurfaceLayers> layers;  ///< Absent where there is nothing in it.
 
   std::optional<float> ambient_factor;
 
@@ -68,12 +109,18 @@ struct SurfaceMaterial {
 
   bool is_textured() const {
     return base_color_texture || metallic_roughness_texture || transmission_texture ||
-           emissive_texture || (film && (film->factor_texture || film->thickness_texture));
+           emissive_texture || glossiness_texture || (layers && layers->is_textured()) ||
+           (film && (film->factor_texture || film->thickness_texture));
   }
+  bool coat_has_own_normal() const {
+    return layers && layers->coat && (layers->coat->normal_texture || normal_texture);
+  }
+  /// Whether points need a direction along the surface, or a normal besides the shading normal.
+  bool needs_frame() const { return layers && (layers->anisotropy || coat_has_own_normal()); }
   /// Whether it is the boundary of a medium everywhere, and nothing else.
   bool bounds_clear_medium() const {
     return transmission == Transmission::Medium && alpha_mode == AlphaMode::Opaque && !unlit &&
-           !index_is_infinite;
+           !index_is_infinite && !layers;
   }
   bool lets_light_pass() const {
     return transmission != Transmission::None || alpha_mode != AlphaMode::Opaque;

@@ -21,8 +21,11 @@ enum class Kind { None, Glass, Mirror };
 Kind kind_of(const Material& material) {
   const bool plain = !material.base_color_texture && !material.metallic_roughness_texture &&
                      !material.normal_texture && !material.transmission_texture &&
-                     material.alpha_mode == AlphaMode::Opaque && !material.unlit &&
-                     material.roughness < kSmoothRoughness;
+                     !material.glossiness_texture && !material.clearcoat && !material.sheen &&
+                     !material.anisotropy &&
+                     (!material.specular || material.specular->is_plain()) &&
+                     !material.diffuse_transmission && material.alpha_mode == AlphaMode::Opaque &&
+                     !material.unlit && material.roughness < kSmoothRoughness;
   if (!plain) return Kind::None;
   if (material.metallic == 1.0f || material.conductor) return Kind::Mirror;
   if (material.metallic == 0.0f && material.has_volume && material.transmission == 1.0f &&

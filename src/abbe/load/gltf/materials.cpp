@@ -6,6 +6,7 @@
 
 #include "abbe/base/error.h"
 #include "abbe/load/gltf/film.h"
+#include "abbe/load/gltf/layers.h"
 
 namespace abbe::gltf {
 namespace {
@@ -140,6 +141,8 @@ Material read_material(Document& document, std::size_t index, Textures& textures
   read_index(*extensions, document, material);
   read_volume(*extensions, document, material);
   read_iridescence(*extensions, document, textures, material);
+  read_specular_glossiness(*extensions, document, textures, material);
+  read_layers(*extensions, document, textures, material);
   if (const auto extension = extensions->object("ABBE_material")) {
     apply_abbe_material(document, *extension, json, spectra, material);
   }

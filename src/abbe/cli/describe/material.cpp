@@ -75,12 +75,67 @@ Description describe_film(const ThinFilm& film, Notes& notes) {
   return out;
 }
 
+// A number, and the texture that it multiplies.
+void describe_textured(const char* name, float value, const std::optional<TextureUse>& texture,
+                       Description& out) {
+  out[name] = short_decimal(value);
+  if (texture) out[std::string(name) + "_texture"] = texture->texture;
+}
+
+void describe_textured(const char* name, const Vec3f& rec709,
+                       const std::optional<TextureUse>& texture, Description& out) {
+  out[std::string(name) + "_rec709"] = triple(rec709);
+  if (texture) out[std::string(name) + "_texture"] = texture->texture;
+}
+
+// What is on the surface, and what it does besides glTF's core.
+void describe_layers(const Material& material, Description& out) {
+  if (material.clearcoat) {
+    const Clearcoat& coat = *material.clearcoat;
+    Description part;
+    part["kind"] = coat.roughness >= kSmoothRoughness ? "rough layer of index 1.5 on top"
+                                                      : "smooth layer of index 1.5 on top";
+    describe_textured("factor", coat.factor, coat.factor_texture, part);
+    describe_textured("roughness", coat.roughness, coat.roughness_texture, part);
+    if (coat.normal_texture) part["normal_texture"] = coat.normal_texture->texture;
+    out["clearcoat"] = part;
+  }
+  if (material.sheen) {
+    Description part;
+    describe_textured("color", material.sheen->color_rec709, material.sheen->color_texture, part);
+    describe_textured("roughness", material.sheen->roughness, material.sheen->roughness_texture,
+                      part);
+    out["sheen"] = part;
+  }
+  if (material.anisotropy) {
+    Description part;
+    describe_textured("strength", material.anisotropy->strength, material.anisotropy->texture,
+                      part);
+    part["rotation_deg"] = static_cast<double>(material.anisotropy->rotation_rad) * kDegrees;
+    out["anisotropy"] = part;
+  }
+  if (material.specular && !material.specular->is_plain() && material.metallic < 1.0f) {
+    const SpecularPart& specular = *material.specular;
+    Description part;
+    describe_textured("factor", specular.factor, specular.factor_texture, part);
+    describe_textured("color", specular.color_rec709, specular.color_texture, part);
+    out["specular"] = part;
+  }
+  if (material.diffuse_transmission) {
+    const DiffuseTransmission& through = *material.diffuse_transmission;
+    Description part;
+    describe_textured("factor", through.factor, through.factor_texture, part);
+    describe_textured("color", through.color_rec709, through.color_texture, part);
+    out["diffuse_transmission"] = part;
+  }
+}
+
 void note_approximations(const Material& material, const std::string& name, Notes& notes) {
   if (material.unlit) return;
   const bool has_reflection =
       material.index_is_infinite || refractive_index(material.index, kLine_d_nm) != 1.0;
   if (material.roughness >= kSmoothRoughness && has_reflection && material.metallic < 1.0f &&
-      material.transmission == 0.0f) {
+      material.transmission == 0.0f && !material.clearcoat) {
     notes.info("material " + name,
                "rough and opaque: it shows the highlights of lamps, and a blurred reflection of "
                "what is around it only where something besides lamps shines");
@@ -128,6 +183,9 @@ Description describe_material(const Material& material, Notes& notes) {
   if (material.metallic_roughness_texture) {
     out["metallic_roughness_texture"] = material.metallic_roughness_texture->texture;
   }
+  if (material.glossiness_texture) {
+    out["glossiness_texture"] = material.glossiness_texture->texture;
+  }
   if (material.normal_texture) out["normal_texture"] = material.normal_texture->texture;
   if (material.transmission > 0.0f) out["transmission"] = short_decimal(material.transmission);
   if (material.absorption_per_m) {
@@ -137,6 +195,7 @@ Description describe_material(const Material& material, Notes& notes) {
     out["attenuation_distance_m"] = material.attenuation_distance_m;
   }
   if (material.film) out["film"] = describe_film(*material.film, notes);
+  if (!material.unlit) describe_layers(material, out);
   describe_emission(material, out);
   if (material.emissive_texture) out["emissive_texture"] = material.emissive_texture->texture;
   if (material.alpha_mode == AlphaMode::Mask)

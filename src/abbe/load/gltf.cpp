@@ -28,6 +28,7 @@
 #include "abbe/load/gltf/variants.h"
 #include "abbe/scene/colors.h"
 #include "abbe/scene/shells.h"
+#include "abbe/scene/texture_uses.h"
 #include "abbe/scene/validation.h"
 
 namespace abbe {
@@ -236,16 +237,19 @@ class Placer {
 
   void warn_of_missing_uv(const Mesh& mesh, const std::string& pointer) {
     const Material& material = scene_.materials[mesh.material];
-    const ThinFilm film = material.film.value_or(ThinFilm{});
-    for (const auto* use :
-         {&material.base_color_texture, &material.metallic_roughness_texture,
-          &material.normal_texture, &material.emissive_texture, &material.transmission_texture,
-          &film.factor_texture, &film.thickness_texture}) {
-      if (!*use || !mesh.uv[(*use)->uv_set].empty()) continue;
+    if (material.anisotropy && mesh.uv[0].empty() && mesh.tangents.empty()) {
+      document_.notes().warn(document_.where(pointer),
+                             fmt::format("its material \"{}\" is rougher along one direction, "
+                                         "which needs TANGENT or TEXCOORD_0: it is as rough along "
+                                         "all",
+                                         material.name));
+    }
+    for (const TextureUse* use : texture_uses(material)) {
+      if (!mesh.uv[use->uv_set].empty()) continue;
       document_.notes().warn(document_.where(pointer),
                              fmt::format("its material \"{}\" has textures on TEXCOORD_{}, which "
                                          "the mesh lacks: they are sampled at 0, 0",
-                                         material.name, (*use)->uv_set));
+                                         material.name, use->uv_set));
       return;
     }
   }

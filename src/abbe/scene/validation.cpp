@@ -9,6 +9,7 @@
 #include "abbe/base/constants.h"
 #include "abbe/base/error.h"
 #include "abbe/scene/convex.h"
+#include "abbe/scene/texture_uses.h"
 
 namespace abbe {
 namespace {
@@ -125,20 +126,12 @@ class Validator {
             "a specular part", "a factor in [0, 1], a colour of at least 0");
     require(is_unit(through.factor) && are_unit(through.color_rec709), "a diffuse transmission",
             "factor and colour in [0, 1]");
-    for (const auto* use :
-         {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
-          &m.emissive_texture, &m.transmission_texture, &m.glossiness_texture, &film.factor_texture,
-          &film.thickness_texture, &coat.factor_texture, &coat.roughness_texture,
-          &coat.normal_texture, &sheen.color_texture, &sheen.roughness_texture, &anisotropy.texture,
-          &specular.factor_texture, &specular.color_texture, &through.factor_texture,
-          &through.color_texture}) {
-      if (!*use) continue;
-      require((*use)->texture < scene_.textures.size(), "a texture out of range",
+    for (const TextureUse* use : texture_uses(m)) {
+      require(use->texture < scene_.textures.size(), "a texture out of range",
               "an index into textures");
-      require((*use)->uv_set < 2, "a third UV set", "0 or 1");
-      require(is_finite((*use)->uv_offset) &&
-                  std::all_of((*use)->uv_linear.begin(), (*use)->uv_linear.end(),
-                              [](float x) { return std::isfinite(x); }),
+      require(use->uv_set < 2, "a third UV set", "0 or 1");
+      require(is_finite(use->uv_offset) && std::all_of(use->uv_linear.begin(), use->uv_linear.end(),
+                                                       [](float x) { return std::isfinite(x); }),
               "a texture transform that is not finite", "a finite one");
     }
     for (int c = 0; c < 4; ++c) {

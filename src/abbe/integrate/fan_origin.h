@@ -10,7 +10,7 @@ namespace abbe {
 enum class FanOrigin : std::uint8_t { Camera, Reflected, Refracted, Passed };
 
 /// Most coherent lobes that a surface has, each a child of the fan that meets it: glass has two,
-/// reflection and refraction.
-inline constexpr std::size_t kMaxLobes = 2;
+/// reflection and refraction, and a polished clearcoat on it a third.
+inline constexpr std::size_t kMaxLobes = 3;
 
 }  // namespace abbe

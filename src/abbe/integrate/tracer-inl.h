@@ -193,44 +193,117 @@ class Tracer {
 
     const float path_length_m = fan.path_length_m + hit.distance_m[leader];
     const bool wants_albedo = fan.depth == 0 && !results_.albedo.empty();
-    const MaterialLanes at =
-        MaterialAt(d, world_, hit, sample.footprint_m + sample.footprint_per_m * path_length_m,
-                   sample.set, !material.unlit || wants_albedo);
+    const float footprint_m = sample.footprint_m + sample.footprint_per_m * path_length_m;
+    MaterialLanes at =
+        MaterialAt(d, world_, hit, footprint_m, sample.set, !material.unlit || wants_albedo);
+    const bool hidden = change.crossing == Crossing::Hidden;
+    std::optional<LayerLanes> layers;
+    if (material.layers && !hidden) {
+      FillLayers(d, world_, hit, footprint_m, sample.set, at, layers.emplace());
+      at.layers = &*layers;
+    }
     absorb(fan, change, hit.distance_m, throughput);
     const FanAtSurface where{fan, hit, path_length_m, recorder_.arrive(fan, hit, throughput)};
     if (material.alpha_mode != AlphaMode::Opaque) {
       branching_.pass_by(where, at.alpha, throughput, next);
     }
 
-    const SurfaceAnswer answer = AnswerOf(d, stride_, change, rows, hit, at, nullptr);
-    const bool hidden = change.crossing == Crossing::Hidden;
-    add_local_light(fan, material, at.emission, answer, throughput, hidden);
+    SurfaceAnswer answer = AnswerOf(d, stride_, change, rows, hit, at, nullptr);
+    const bool rough = at.roughness[leader] >= kSmoothRoughness || is_brushed(layers, leader);
+    if (layers) {
+      FillViewOfLayers(d, stride_, change, rows, hit, answer, *layers);
+      LayOver(d, stride_, rows, hit, rough, *layers, answer);
+      layers->coat_chance = CoatChance(hit, answer, *layers, rough);
+      dim_emission(*layers, at.emission);
+    }
+    add_local_light(fan, material, at.emission, answer, layers ? layers->ambient : answer.diffuse,
+                    throughput, hidden);
     if (wants_albedo) keep_albedo(fan, at.base_color);
     if (material.unlit) return;
     recorder_.shade(where.record_number, change, rows, hit, at, answer);
     if (hidden) return branching_.branch(where, throughput, answer, next);
 
-    const bool rough = at.roughness[leader] >= kSmoothRoughness;
     std::optional<ReboundLanes> rebound;
     if (rough && settings_.multiple_scattering && at.metallic[leader] > 0.0f) {
       rebound = ReboundAt(d, stride_, rows, at, answer, hit.lanes);
     }
+    const bool coated = layers && layers->has_coat;
     // Elsewhere the ray of a rough opaque dielectric is a faint blur that its lobe stands for.
     const bool coherent = !rough || at.metallic[leader] > 0.0f || at.transmission[leader] > 0.0f ||
-                          world_.shines_all_around;
-    const ShadedSurface shaded{
-        hit, at, rows, answer, rough, rough && coherent, rebound ? &*rebound : nullptr};
-    if (rough || scatters(answer)) lamps_.send({where, shaded, throughput});
-    if (!coherent) return;
-    if (!rough) return branching_.branch(where, throughput, answer, next);
-    const MicrofacetLanes facets = SampleMicrofacets(d, stride_, hit, at.roughness, fan.spread,
-                                                     chance_of(fan, Purpose::Microfacet));
-    SurfaceAnswer about_facets = AnswerOf(d, stride_, change, rows, hit, at, &facets);
-    about_facets.lobes[0].is_sampled = true;
-    if (rebound) {
-      ChooseRebound(d, stride_, shaded, chance_of(fan, Purpose::Rebound), about_facets);
+                          coated || world_.shines_all_around;
+    const bool has_rough_coat = layers && layers->coat_is_rough;
+    const ShadedSurface shaded{hit,
+                               at,
+                               rows,
+                               answer,
+                               rough,
+                               has_rough_coat,
+                               has_rough_coat || (rough && coherent),
+                               rebound ? &*rebound : nullptr};
+    if (rough || scatters(answer.diffuse) || (layers && scatters(layers->ambient)) ||
+        has_rough_coat) {
+      lamps_.send({where, shaded, throughput});
     }
-    branching_.branch(where, throughput, about_facets, next);
+    if (!coherent) return;
+    if (!shaded.samples_rough_lobe) return branching_.branch(where, throughput, answer, next);
+    branching_.branch(where, throughput, sampled_answer(where, change, shaded), next);
+  }
+
+  // The answer with a ray drawn for its rough lobes.
+  SurfaceAnswer sampled_answer(const FanAtSurface& where, const MediumChange& change,
+                               const ShadedSurface& surface) {
+    const D d;
+    const Fan& fan = where.fan;
+    const LayerLanes* layers = surface.at.layers;
+    SurfaceAnswer answer;
+    Lobe* sampled = &answer.lobes[0];
+    if (surface.has_rough_lobe) {
+      const MicrofacetLanes facets = SampleMicrofacets(
+          d, stride_, surface.hit, surface.at, fan.spread, chance_of(fan, Purpose::Microfacet));
+      answer = AnswerOf(d, stride_, change, surface.rows, surface.hit, surface.at, &facets);
+      if (layers != nullptr && answer.lobe_count > 1) {
+        multiply(layers->coat_through, answer.lobes[1].share);
+      }
+      // A smooth coat's own ray.
+      for (std::size_t i = answer.lobe_count; i < surface.answer.lobe_count; ++i) {
+        answer.lobes[answer.lobe_count++] = surface.answer.lobes[i];
+      }
+    } else {
+      answer = surface.answer;
+      sampled = &answer.lobes[answer.lobe_count++];
+      sampled->made_by = FanOrigin::Reflected;
+      sampled->order = 1;
+      sampled->spreads = false;
+      sampled->media = change.before;
+    }
+    sampled->is_sampled = true;
+    if (surface.rebound != nullptr || layers != nullptr) {
+      ChooseRay(d, stride_, surface, fan.spread, chance_of(fan, Purpose::Rebound),
+                random_1d(samples_[fan.sample].chance, fan.path, Purpose::Layer),
+                chance_of(fan, Purpose::Microfacet, 1), *sampled);
+    }
+    return answer;
+  }
+
+  void multiply(const LaneArray& by, LaneArray& values) const {
+    const D d;
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      hn::Store(hn::Mul(hn::Load(d, values.v + i), hn::Load(d, by.v + i)), d, values.v + i);
+    }
+  }
+
+  // Whether a smooth surface is rough along one direction.
+  static bool is_brushed(const std::optional<LayerLanes>& layers, int lane) {
+    return layers && layers->is_anisotropic &&
+           layers->alpha_t[lane] > 1.01f * kSmoothRoughness * kSmoothRoughness;
+  }
+
+  // A coat is on top of what shines.
+  void dim_emission(const LayerLanes& layers, LaneArray& emission) const {
+    if (!layers.has_coat || layers.coat_is_behind) return;
+    for (int lane = 0; lane < stride_; ++lane) {
+      emission[lane] *= 1.0f - layers.coat[lane] * layers.coat_view[lane];
+    }
   }
 
   // Light from all around, met by lanes that met nothing else: as it is outside of all bodies.
@@ -294,8 +367,8 @@ class Tracer {
     }
   }
 
-  Vec2f chance_of(const Fan& fan, Purpose purpose) const {
-    return random_2d(samples_[fan.sample].chance, fan.path, purpose);
+  Vec2f chance_of(const Fan& fan, Purpose purpose, std::uint32_t item = 0) const {
+    return random_2d(samples_[fan.sample].chance, fan.path, purpose, item);
   }
 
   void keep_albedo(const Fan& fan, const LaneArray& base_color) const {
@@ -303,19 +376,21 @@ class Tracer {
     std::copy_n(base_color.v, stride_, results_.albedo.data() + place);
   }
 
-  // Whether the surface has a diffuse lobe: polished glass and metal show no lamp as a point.
-  bool scatters(const SurfaceAnswer& answer) const {
+  // Whether a surface of that albedo has a broad lobe: polished glass and metal show no lamp as a
+  // point.
+  bool scatters(const LaneArray& albedo) const {
     const D d;
     auto any = hn::Zero(d);
     for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
-      any = hn::Max(any, hn::Load(d, answer.diffuse.v + i));
+      any = hn::Max(any, hn::Load(d, albedo.v + i));
     }
     return !hn::AllTrue(d, hn::Le(any, hn::Zero(d)));
   }
 
-  // Emission, and ambient light: k_a defaults to the albedo that diffuse reflection has.
+  // Emission, and ambient light: k_a defaults to the albedo of what no ray stands for.
   void add_local_light(const Fan& fan, const SurfaceMaterial& material, const LaneArray& emission,
-                       const SurfaceAnswer& answer, const LaneArray& throughput, bool hidden) {
+                       const SurfaceAnswer& answer, const LaneArray& albedo,
+                       const LaneArray& throughput, bool hidden) {
     const bool ambient = world_.ambient && !hidden && !material.unlit;
     if (!material.emission && !ambient) return;
     const D d;
@@ -334,7 +409,7 @@ class Tracer {
       if (emitted_part != nullptr) add(light, emitted_part);
       if (ambient) {
         const auto k_a = material.ambient_factor ? hn::Set(d, *material.ambient_factor)
-                                                 : hn::Load(d, answer.diffuse.v + i);
+                                                 : hn::Load(d, albedo.v + i);
         const auto ambient_light = hn::LoadU(d, ambient_row + i);
         if (ambient_part != nullptr) {
           const auto part = hn::Mul(hn::Mul(basic, k_a), ambient_light);

@@ -30,8 +30,9 @@ enum class Purpose : std::uint8_t {
   Environment,  ///< 2D. A direction of light from all around.
   Phase,        ///< 2D. Where fog scatters to.
   Rebound,      ///< 2D. Whether light goes on among microfacets, and where it leaves them.
+  Layer,        ///< 1D. Which of two rough layers draws where the ray goes.
 };
-inline constexpr int kPurposes = static_cast<int>(Purpose::Rebound) + 1;
+inline constexpr int kPurposes = static_cast<int>(Purpose::Layer) + 1;
 
 /// What all random numbers of a camera sample share. Renders with different seeds take other
 /// stretches of the same sequences, as one render with more samples would.

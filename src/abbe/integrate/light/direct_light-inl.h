@@ -81,7 +81,7 @@ class DirectLight {
     const SurfaceHit& hit = surface.where.hit;
     const CameraSample& sample = samples_[fan.sample];
     const ShadedSurface& all = surface.shaded;
-    const ShadedSurface broad{all.hit, all.at, all.rows, all.answer, false, false, nullptr};
+    const ShadedSurface broad{all.hit, all.at, all.rows, all.answer};
     const LitSurface without_rays{surface.where, broad, surface.throughput};
     // What the camera sees is lit from more places, so that a pixel of few samples has little
     // grain.

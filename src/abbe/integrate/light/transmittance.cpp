@@ -7,6 +7,7 @@
 #include "abbe/integrate/surface/contact.h"
 #include "abbe/integrate/surface/material_sample.h"
 #include "abbe/optics/boundary.h"
+#include "abbe/optics/layer_albedo.h"
 
 namespace abbe {
 namespace {
@@ -27,6 +28,31 @@ void for_each_lane(const LaneMask& lanes, int lane_count, const Body& body) {
   for (int lane = 0; lane < lane_count; ++lane) {
     if (lanes.test(lane)) body(lane);
   }
+}
+
+// KHR_materials_specular as the eye's rays have it (answer-inl.h). Domain: no total reflection.
+double with_specular(double eta, double reflected, double color, double factor) {
+  const double f0 = std::pow((eta - 1.0) / (eta + 1.0), 2);
+  const double colored = std::min(f0 * color, 1.0);
+  const double grazing = f0 < 1.0 ? (reflected - f0) / (1.0 - f0) : 1.0;
+  return factor * std::clamp(colored + (1.0 - colored) * grazing, 0.0, 1.0);
+}
+
+// What a coat and a sheen leave of light that a boundary lets through, as for the eye's rays
+// (layers-inl.h): at the angle outside, which a straight ray has on both sides.
+float left_by_layers(const SurfaceMaterial& material, const LayerSample& layers, float cosine,
+                     double reflected) {
+  float left = 1.0f;
+  if (material.layers->coat) {
+    const float coat = LayerAlbedo::table().coat(cosine, layers.coat_roughness);
+    const float often = 1.0f - static_cast<float>(reflected) * coat;
+    left = 1.0f - layers.coat + layers.coat * (1.0f - coat) / std::max(often, 1e-6f);
+  }
+  if (material.layers->sheen) {
+    const float sheen = LayerAlbedo::table().sheen(cosine, layers.sheen_roughness);
+    left *= std::max(0.0f, 1.0f - layers.sheen_most * std::min(1.0f, sheen));
+  }
+  return left;
 }
 
 class ShadowTransmittance {
@@ -177,6 +203,13 @@ class ShadowTransmittance {
     const float share = (1.0f - sample.metallic) * sample.transmission;
     const bool has_lookup = share > 0.0f && sample.base_color.uses_lookup;
     const Vec3f lookup = has_lookup ? looked_up(world_, sample.base_color) : Vec3f(0.0f);
+    const bool has_layers = share > 0.0f && material.layers.has_value();
+    const LayerSample layers =
+        has_layers ? layer_sample(world_, material, point, 0.0f) : LayerSample{};
+    const bool has_specular = has_layers && material.layers->specular;
+    const Vec3f specular_lookup = has_specular && layers.specular_color.uses_lookup
+                                      ? looked_up(world_, layers.specular_color)
+                                      : Vec3f(0.0f);
     for_each_lane(path.lanes, world_.lanes.lane_count(), [&](int lane) {
       float through = 0.0f;
       if (share > 0.0f && !material.index_is_infinite) {
@@ -187,8 +220,21 @@ class ShadowTransmittance {
           boundary.film = {film_n[lane], sample.film_thickness_nm, sample.film_factor};
           boundary.wavelength_nm = 1.0 / inverse_wavelength[lane];
         }
-        through = share * static_cast<float>(1.0 - boundary_reflectance(boundary, cosine)) *
+        double reflected = boundary_reflectance(boundary, cosine);
+        double taken = reflected;
+        if (has_specular) {
+          const ColorUse& use = material.layers->specular->color;
+          const float color = use.scale * lane_value(world_, layers.specular_color, specular_lookup,
+                                                     row(use.row), path.set, lane);
+          const double eta = boundary.n / boundary.n_incident;
+          const auto factor = static_cast<double>(layers.specular);
+          const auto most = static_cast<double>(std::max(color, layers.specular_most));
+          taken = with_specular(eta, reflected, most, factor);
+          reflected = with_specular(eta, reflected, static_cast<double>(color), factor);
+        }
+        through = share * static_cast<float>(1.0 - taken) *
                   lane_value(world_, sample.base_color, lookup, base_row, path.set, lane);
+        if (has_layers) through *= left_by_layers(material, layers, cosine, reflected);
       }
       visibility(path)[lane] *= (1.0f - sample.alpha) + sample.alpha * through;
     });

@@ -76,6 +76,42 @@ HWY_INLINE VecOf<D> MetalPart(D d, const BoundaryRows& rows, const MaterialLanes
   return ConductorBoundary(d, film, cosine, n, k, n_medium);
 }
 
+/// What a dielectric reflects in a lane, and what it leaves out for the lane's part of what is
+/// behind.
+template <class D>
+struct DielectricShares {
+  VecOf<D> reflected, taken;
+};
+
+/// KHR_materials_specular of a dielectric's reflectance: at normal incidence what colour and factor
+/// make of it, at grazing the factor. What is behind loses what the strongest channel reflects, so
+/// that it keeps its hue. Total reflection is as it is: light has nowhere else to go. The same to
+/// the last bits where both are 1. An infinite index, whose reflectance has no angles, goes by
+/// Schlick's rule.
+/// Units: eta = n_transmitted / n_incident.
+template <class D>
+HWY_INLINE DielectricShares<D> WithSpecular(D d, const BoundaryRows& rows, const LayerLanes& layers,
+                                            int i, VecOf<D> eta, VecOf<D> cosine,
+                                            VecOf<D> reflected, VecOf<D> cos_transmitted) {
+  const auto one = hn::Set(d, 1.0f);
+  const auto zero = hn::Zero(d);
+  auto f0 = one;
+  auto grazing = SchlickReflectance(d, zero, one, cosine);
+  if (!rows.index_is_infinite) {
+    const auto root = hn::Div(hn::Sub(eta, one), hn::Add(eta, one));
+    f0 = hn::Mul(root, root);
+    grazing = hn::Div(hn::Sub(reflected, f0), hn::Max(hn::Sub(one, f0), hn::Set(d, 1e-6f)));
+  }
+  const auto factor = hn::Load(d, layers.specular.v + i);
+  const auto of = [&](const LaneArray& color) {
+    const auto colored = hn::Min(hn::Mul(f0, hn::Load(d, color.v + i)), one);
+    const auto mixed = hn::Add(colored, hn::Mul(hn::Sub(one, colored), grazing));
+    const auto part = hn::Mul(factor, hn::Min(hn::Max(mixed, zero), one));
+    return hn::IfThenElse(hn::Gt(cos_transmitted, zero), part, reflected);
+  };
+  return {of(layers.specular_color), of(layers.specular_most)};
+}
+
 /// Light that arrives at a surface in some lanes, and the normals on its side.
 template <class D>
 struct Arrival {
@@ -98,6 +134,7 @@ HWY_INLINE Arrival<D> ArrivalAt(D d, const SurfaceHit& hit, int i) {
 template <class D>
 struct BoundaryShares {
   VecOf<D> reflected, refracted, diffuse;
+  VecOf<D> through;  ///< Diffusely, to the other side.
   VecOf<D> cos_transmitted;
 };
 
@@ -109,17 +146,32 @@ HWY_INLINE BoundaryShares<D> SharesAt(D d, const BoundaryRows& rows, const Mater
   shares.cos_transmitted = one;
   auto dielectric = DielectricPart(d, rows, at, i, eta, cosine, &shares.cos_transmitted);
   if (rows.index_is_infinite) dielectric = one;
+  auto taken = dielectric;
+  if (at.layers != nullptr && at.layers->has_specular) {
+    const auto both =
+        WithSpecular(d, rows, *at.layers, i, eta, cosine, dielectric, shares.cos_transmitted);
+    dielectric = both.reflected;
+    taken = both.taken;
+  }
   const auto metallic = hn::Load(d, at.metallic.v + i);
   const auto transmission = hn::Load(d, at.transmission.v + i);
   const auto metal = MetalPart(d, rows, at, i, cosine);
   const auto dielectric_part = hn::Sub(one, metallic);
-  const auto behind =
-      hn::Mul(hn::Mul(dielectric_part, hn::Sub(one, dielectric)), hn::Load(d, at.base_color.v + i));
+  const auto enters = hn::Mul(dielectric_part, hn::Sub(one, taken));
+  const auto behind = hn::Mul(enters, hn::Load(d, at.base_color.v + i));
   shares.reflected = hn::Add(hn::Mul(dielectric_part, dielectric), hn::Mul(metallic, metal));
   // A film's reflectance rounds; behind total reflection there is nothing at all.
   shares.refracted = hn::IfThenElseZero(hn::Gt(shares.cos_transmitted, hn::Zero(d)),
                                         hn::Mul(behind, transmission));
+  if (rows.index_is_infinite) shares.refracted = hn::Zero(d);
   shares.diffuse = hn::Mul(behind, hn::Sub(one, transmission));
+  shares.through = hn::Zero(d);
+  if (at.layers != nullptr && at.layers->has_through) {
+    const auto part = hn::Load(d, at.layers->through.v + i);
+    const auto color = hn::Load(d, at.layers->through_color.v + i);
+    shares.through = hn::Mul(hn::Mul(enters, hn::Sub(one, transmission)), hn::Mul(part, color));
+    shares.diffuse = hn::Mul(shares.diffuse, hn::Sub(one, part));
+  }
   return shares;
 }
 
@@ -148,14 +200,29 @@ HWY_INLINE CoherentRays<D> SmoothRays(D d, const Arrival<D>& arrival, VecOf<D> c
   return {Normalized3(d, reflected), Normalized3(d, refracted), one, one};
 }
 
+/// Smith's root of a direction away from a rough surface, whose cosine with its normal is at hand.
+template <class D>
+HWY_INLINE VecOf<D> SmithRootOf(D d, const MaterialLanes& at, int i, const Vec3Of<D>& direction,
+                                VecOf<D> cosine, VecOf<D> alpha2) {
+  if (at.layers == nullptr || !at.layers->is_anisotropic) return SmithRoot(d, cosine, alpha2);
+  const LayerLanes& layers = *at.layers;
+  const auto along_t = Dot3(d, direction, Load3(d, layers.tangent, i));
+  const auto along_b = Dot3(d, direction, Load3(d, layers.bitangent, i));
+  return SmithRootAcross(d, cosine, hn::Mul(along_t, hn::Load(d, layers.alpha_t.v + i)),
+                         hn::Mul(along_b, hn::Load(d, layers.alpha_b.v + i)));
+}
+
 /// Of light that a microfacet reflects, the share that its neighbours let by.
 template <class D>
-HWY_INLINE VecOf<D> LetBy(D d, const Arrival<D>& arrival, const Vec3Of<D>& facet,
-                          const Vec3Of<D>& reflected, VecOf<D> alpha) {
+HWY_INLINE VecOf<D> LetBy(D d, const Arrival<D>& arrival, const MaterialLanes& at, int i,
+                          const Vec3Of<D>& facet, const Vec3Of<D>& reflected, VecOf<D> alpha) {
   const auto cos_view =
       hn::Max(hn::Neg(Dot3(d, arrival.direction, arrival.shading)), hn::Set(d, kLeastCosine));
-  const auto share =
-      SmithReflectedShare(d, cos_view, Dot3(d, reflected, arrival.shading), hn::Mul(alpha, alpha));
+  const auto alpha2 = hn::Mul(alpha, alpha);
+  const auto cos_out = Dot3(d, reflected, arrival.shading);
+  const auto root_view = SmithRootOf(d, at, i, arrival.direction, cos_view, alpha2);
+  const auto root_out = SmithRootOf(d, at, i, reflected, hn::Max(cos_out, hn::Zero(d)), alpha2);
+  const auto share = SmithReflectedShare(d, cos_view, root_view, cos_out, root_out);
   return hn::IfThenElseZero(hn::Lt(Dot3(d, arrival.direction, facet), hn::Zero(d)), share);
 }
 
@@ -164,9 +231,9 @@ HWY_INLINE VecOf<D> LetBy(D d, const Arrival<D>& arrival, const Vec3Of<D>& facet
 /// Source: Heitz & d'Eon, Importance Sampling Microfacet-Based BSDFs, EGSR 2014: the weights;
 ///         KHR_materials_transmission: the sheet.
 template <class D>
-HWY_INLINE CoherentRays<D> FacetRays(D d, const Arrival<D>& arrival, const Vec3Of<D>& facet,
-                                     VecOf<D> alpha, const BoundaryShares<D>& shares, VecOf<D> eta,
-                                     bool is_sheet) {
+HWY_INLINE CoherentRays<D> FacetRays(D d, const Arrival<D>& arrival, const MaterialLanes& at, int i,
+                                     const Vec3Of<D>& facet, VecOf<D> alpha,
+                                     const BoundaryShares<D>& shares, VecOf<D> eta, bool is_sheet) {
   const auto& [direction, facing, normal] = arrival;
   const auto one = hn::Set(d, 1.0f);
   const auto zero = hn::Zero(d);
@@ -174,7 +241,7 @@ HWY_INLINE CoherentRays<D> FacetRays(D d, const Arrival<D>& arrival, const Vec3O
 
   CoherentRays<D> rays;
   rays.reflected = Normalized3(d, ReflectedDirection(d, direction, facet, cosine));
-  const auto let_by = LetBy(d, arrival, facet, rays.reflected, alpha);
+  const auto let_by = LetBy(d, arrival, at, i, facet, rays.reflected, alpha);
   rays.reflected_share = hn::IfThenElseZero(hn::Gt(Dot3(d, rays.reflected, facing), zero), let_by);
   if (is_sheet) {
     const auto twice_down = hn::Mul(hn::Set(d, -2.0f), Dot3(d, rays.reflected, normal));
@@ -187,8 +254,10 @@ HWY_INLINE CoherentRays<D> FacetRays(D d, const Arrival<D>& arrival, const Vec3O
   rays.refracted = Normalized3(d, rays.refracted);
   if (!is_sheet) {
     const auto cos_behind = hn::Neg(Dot3(d, rays.refracted, normal));
-    rays.refracted_share = hn::IfThenElseZero(
-        hn::Gt(cosine, zero), SmithRefractedShare(d, cos_behind, hn::Mul(alpha, alpha)));
+    const auto root =
+        SmithRootOf(d, at, i, rays.refracted, hn::Max(cos_behind, zero), hn::Mul(alpha, alpha));
+    rays.refracted_share =
+        hn::IfThenElseZero(hn::Gt(cosine, zero), SmithRefractedShare(d, cos_behind, root));
   }
   rays.refracted_share =
       hn::IfThenElseZero(hn::Lt(Dot3(d, rays.refracted, facing), zero), rays.refracted_share);
@@ -221,14 +290,18 @@ HWY_INLINE SurfaceAnswer AnswerOf(D d, int stride, const MediumChange& change,
     const auto eta =
         hn::Div(RowOr(d, rows.n_transmitted, i, 1.0f), RowOr(d, rows.n_incident, i, 1.0f));
     auto shares = SharesAt(d, rows, at, i, eta, cosine);
-    auto rays = facets != nullptr ? FacetRays(d, arrival, normal, hn::Load(d, facets->alpha.v + i),
-                                              shares, eta, change.crossing == Crossing::Thin)
-                                  : SmoothRays(d, arrival, cosine, shares.cos_transmitted, eta);
-    if (hidden) shares = {zero, one, zero, one};
+    auto rays = facets != nullptr
+                    ? FacetRays(d, arrival, at, i, normal, hn::Load(d, facets->alpha.v + i), shares,
+                                eta, change.crossing == Crossing::Thin)
+                    : SmoothRays(d, arrival, cosine, shares.cos_transmitted, eta);
+    if (hidden) shares = {zero, one, zero, zero, one};
     if (change.goes_straight() && facets == nullptr) rays.refracted = arrival.direction;
     hn::Store(cosine, d, answer.cos_incident.v + i);
     hn::Store(eta, d, answer.eta_ti.v + i);
     hn::Store(shares.diffuse, d, answer.diffuse.v + i);
+    if (at.layers != nullptr && at.layers->has_through) {
+      hn::Store(shares.through, d, answer.through.v + i);
+    }
     hn::Store(hn::Div(one, hn::Mul(n_medium, n_medium)), d, answer.inverse_n2.v + i);
     hn::Store(hn::Mul(shares.reflected, rays.reflected_share), d, reflection.share.v + i);
     hn::Store(hn::Mul(shares.refracted, rays.refracted_share), d, refraction.share.v + i);

@@ -11,18 +11,52 @@
 
 namespace abbe {
 
+/// What a material has beyond base, metal, transmission and film, where lanes met it, and what of
+/// it depends on where they come from. Of a part that is not there, nothing is filled.
+struct LayerLanes {
+  bool has_coat = false;
+  bool coat_is_rough = false;
+  bool coat_is_behind = false;  ///< Light arrives from inside of the body.
+  bool coat_is_apart = false;   ///< Its normal is not that of what it covers.
+  LaneArray coat, coat_roughness;
+  LaneArray3 coat_normal;  ///< On the side of arrival.
+  LaneArray coat_view;     ///< What it reflects of light from where the lanes come from.
+  LaneArray coat_mean;     ///< The same of light from all around.
+  LaneArray coat_through;  ///< What it leaves of refracted light.
+
+  bool has_sheen = false;
+  LaneArray sheen, sheen_roughness;
+  LaneArray sheen_view;  ///< As coat_view, of white sheen.
+  LaneArray sheen_most;  ///< Of the colour's channels: what is under it keeps its hue.
+
+  bool is_anisotropic = false;
+  LaneArray alpha_t, alpha_b;  ///< Along the two directions.
+  LaneArray3 tangent, bitangent;
+
+  bool has_specular = false;
+  LaneArray specular, specular_color;
+  LaneArray specular_most;  ///< As sheen_most.
+
+  bool has_through = false;
+  LaneArray through, through_color;  ///< Share and colour of diffuse transmission.
+
+  LaneArray ambient;         ///< Albedo of all lobes that no ray stands for, diffuse ones included.
+  float coat_chance = 0.0f;  ///< That the sampled ray is drawn by the coat's microfacets.
+};
+
 /// A material where lanes met it.
 struct MaterialLanes {
   LaneArray base_color;  ///< Reflectance of the base colour.
   LaneArray emission;    ///< W·m⁻²·sr⁻¹·nm⁻¹, in RGB modes cd/m².
   LaneArray metallic, roughness, transmission, alpha;
   LaneArray film_factor, film_thickness_nm;  ///< Filled where the material has a film.
+  const LayerLanes* layers = nullptr;
 };
 
 /// Microfacets that lanes meet, and the roughness that they were drawn from.
 struct MicrofacetLanes {
   LaneArray3 normal;
-  LaneArray alpha;  ///< roughness².
+  LaneArray alpha;  ///< roughness²; of a material with a direction LayerLanes has two.
 };
 
 /// The lobe of light that rough metals scatter among their microfacets more than once:
@@ -70,7 +104,8 @@ struct Lobe {
 struct SurfaceAnswer {
   LaneArray cos_incident;
   LaneArray eta_ti;      ///< n_transmitted / n_incident.
-  LaneArray diffuse;     ///< Albedo of diffuse reflection: what no lobe takes.
+  LaneArray diffuse;     ///< Albedo of diffuse reflection: what no lobe takes; under layers.
+  LaneArray through;     ///< Of diffuse transmission; filled where the material has it.
   LaneArray inverse_n2;  ///< 1/n² of the medium of arrival: light added here becomes basic.
   std::array<Lobe, kMaxLobes> lobes;
   std::size_t lobe_count = 0;
@@ -92,6 +127,7 @@ struct ShadedSurface {
   const BoundaryRows& rows;
   const SurfaceAnswer& answer;  ///< About the shading normal.
   bool has_rough_lobe = false;
+  bool has_rough_coat = false;
   bool samples_rough_lobe = false;        ///< A ray stands for the rough lobes, too.
   const ReboundLanes* rebound = nullptr;  ///< Of a rough metal, if it has that lobe.
 };

@@ -7,8 +7,11 @@
 #define ABBE_INTEGRATE_SURFACE_MATERIAL_LANES_INL_H_
 #endif
 
+#include <algorithm>
+#include <cmath>
 #include <span>
 
+#include "abbe/integrate/surface/answer-inl.h"
 #include "abbe/integrate/surface/answer.h"
 #include "abbe/integrate/surface/material_sample.h"
 #include "abbe/math/lanes-inl.h"
@@ -179,6 +182,123 @@ MaterialLanes MaterialAt(D d, const World& world, const SurfaceHit& hit, float f
     FillUniform(d, world, material, here, set, wants_base_color, at);
   }
   return at;
+}
+
+/// Colours of one place for all lanes, or of one place a lane.
+template <class D>
+void FillColors(D d, const World& world, std::span<const ColorSample> colors, const ColorUse& use,
+                int set, LaneArray& out) {
+  const float* row = world.row(use.row, set);
+  if (colors.size() == 1) {
+    FillColor(d, world, colors[0], row, set, out);
+  } else {
+    FillColor(d, world, colors, row, set, out);
+  }
+  for (int lane = 0; lane < world.lanes.lane_stride(); ++lane) out[lane] *= use.scale;
+}
+
+/// The directions that a material with anisotropy has in a lane, and the roughness along them.
+template <class D>
+void FillDirections(D, const SurfaceHit& hit, int lane, const LayerSample& here, float roughness,
+                    LayerLanes& layers) {
+  const SurfacePoint& point = hit.point(lane);
+  const Vec3f normal = hit.normal.get(lane);
+  const float rough = std::max(roughness, kSmoothRoughness);
+  const float alpha = rough * rough;
+  layers.alpha_t[lane] = layers.alpha_b[lane] = alpha;
+  const Vec3f along = here.direction.x * point.tangent + here.direction.y * point.bitangent;
+  const Vec3f flat = along - glm::dot(along, normal) * normal;
+  const float length2 = glm::dot(flat, flat);
+  if (length2 > 1e-12f) {
+    layers.tangent.set(lane, flat / std::sqrt(length2));
+    layers.alpha_t[lane] = alpha + here.anisotropy * here.anisotropy * (1.0f - alpha);
+  } else {
+    layers.tangent.set(lane, Basis(normal).tangent);
+  }
+  layers.bitangent.set(lane, glm::cross(normal, layers.tangent.get(lane)));
+}
+
+/// The layers of a material where a group of lanes met it, but for what depends on the view.
+/// Domain: the material has layers; `at` is filled.
+template <class D>
+void FillLayers(D d, const World& world, const SurfaceHit& hit, float footprint_m, int set,
+                const MaterialLanes& at, LayerLanes& layers) {
+  const SurfaceMaterial& material = material_of(world, hit);
+  const SurfaceLayers& source = *material.layers;
+  const int stride = world.lanes.lane_stride();
+  const int leader = hit.lanes.front();
+  const LayerSample leading = layer_sample(world, material, hit.point(leader), footprint_m);
+  const bool varying = hit.points_differ && source.is_textured();
+  ColorSample sheen[kMaxLanes], specular[kMaxLanes], through[kMaxLanes];
+  LaneArray3 shading, facing;
+  for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
+    const auto arrival = ArrivalAt(d, hit, i);
+    Store3(d, arrival.shading, shading, i);
+    Store3(d, arrival.facing, facing, i);
+  }
+  layers.has_coat = source.coat.has_value();
+  layers.has_sheen = source.sheen.has_value();
+  layers.is_anisotropic = source.anisotropy.has_value();
+  layers.has_specular = source.specular.has_value();
+  layers.has_through = source.through.has_value();
+  layers.coat_is_apart = material.coat_has_own_normal();
+  layers.coat_is_rough = layers.has_coat && leading.coat_roughness >= kSmoothRoughness;
+  for (int lane = 0; lane < stride; ++lane) {
+    const bool member = lane < world.lanes.lane_count() && hit.lanes.test(lane);
+    const int place = member ? lane : leader;
+    const LayerSample here =
+        varying && member ? layer_sample(world, material, hit.point(lane), footprint_m) : leading;
+    if (layers.has_coat) {
+      layers.coat[lane] = here.coat;
+      layers.coat_roughness[lane] = here.coat_roughness;
+      Vec3f normal = shading.get(place);
+      if (layers.coat_is_apart) {
+        const Vec3f own = hit.point(place).coat_normal;
+        normal = hit.front ? own : -own;
+        if (!(glm::dot(normal, hit.direction.get(place)) < 0.0f)) normal = facing.get(place);
+      }
+      layers.coat_normal.set(lane, normal);
+    }
+    layers.sheen_most[lane] = here.sheen_most;
+    layers.sheen_roughness[lane] = here.sheen_roughness;
+    layers.specular[lane] = here.specular;
+    layers.specular_most[lane] = here.specular_most;
+    layers.through[lane] = here.through;
+    sheen[lane] = here.sheen;
+    specular[lane] = here.specular_color;
+    through[lane] = here.through_color;
+    if (!layers.is_anisotropic) continue;
+    if (member) {
+      FillDirections(d, hit, lane, here, at.roughness[lane], layers);
+    } else {
+      FillDirections(d, hit, leader, here, at.roughness[leader], layers);
+      layers.tangent.set(lane, layers.tangent.get(leader));
+      layers.bitangent.set(lane, layers.bitangent.get(leader));
+      layers.alpha_t[lane] = layers.alpha_t[leader];
+      layers.alpha_b[lane] = layers.alpha_b[leader];
+    }
+  }
+  const std::size_t count = varying ? kMaxLanes : 1;
+  if (layers.has_sheen) {
+    FillColors(d, world, std::span<const ColorSample>(sheen, count), source.sheen->color, set,
+               layers.sheen);
+    // A spectrum may pass the channels that it stands for.
+    for (int lane = 0; lane < stride; ++lane) {
+      layers.sheen_most[lane] = std::max(layers.sheen_most[lane], layers.sheen[lane]);
+    }
+  }
+  if (layers.has_specular) {
+    FillColors(d, world, std::span<const ColorSample>(specular, count), source.specular->color, set,
+               layers.specular_color);
+    for (int lane = 0; lane < stride; ++lane) {
+      layers.specular_most[lane] =
+          std::max(layers.specular_most[lane], layers.specular_color[lane]);
+    }
+  }
+  if (layers.has_through) {
+    FillColors(d, world, std::span<const ColorSample>(through, count), source.through->color, set,
+               layers.through_color);
+  }
 }
 
 }  // namespace HWY_NAMESPACE

@@ -73,6 +73,10 @@ MaterialSample material_sample(const World& world, const SurfaceMaterial& materi
     sample.roughness *= value.y;
     sample.metallic *= value.z;
   }
+  if (material.glossiness_texture) {
+    const float glossiness = texel(world, *material.glossiness_texture, point, footprint_m).w;
+    sample.roughness = 1.0f - (1.0f - sample.roughness) * glossiness;
+  }
   if (material.transmission_texture) {
     sample.transmission *= texel(world, *material.transmission_texture, point, footprint_m).x;
   }
@@ -109,6 +113,55 @@ MaterialSample material_sample(const World& world, const SurfaceMaterial& materi
       sample.emission_scale = scale;
       look_up(scale > 0.0f ? emitted_rec709 / scale : Vec3f(0.0f), false, sample.emission);
     }
+  }
+  return sample;
+}
+
+LayerSample layer_sample(const World& world, const SurfaceMaterial& material,
+                         const SurfacePoint& point, float footprint_m) {
+  const SurfaceLayers& layers = *material.layers;
+  const auto texel_of = [&](const std::optional<TextureUse>& use) {
+    return use ? texel(world, *use, point, footprint_m) : Vec4f(1.0f);
+  };
+  const auto color_of = [&](const ColorUse& use, ColorSample& color) {
+    if (!use.texture) return use.factor_rec709;
+    const Vec3f rec709 = use.factor_rec709 * Vec3f(texel_of(use.texture));
+    color.uses_row = false;
+    look_up(rec709 / use.scale, world.lanes.is_rgb(Cause::Reflectances), color);
+    return rec709;
+  };
+  LayerSample sample;
+  if (layers.coat) {
+    sample.coat = layers.coat->factor * texel_of(layers.coat->factor_texture).x;
+    sample.coat_roughness = layers.coat->roughness * texel_of(layers.coat->roughness_texture).y;
+  }
+  if (layers.sheen) {
+    const Vec3f rec709 = color_of(layers.sheen->color, sample.sheen);
+    sample.sheen_most = std::max({rec709.x, rec709.y, rec709.z});
+    sample.sheen_roughness = layers.sheen->roughness * texel_of(layers.sheen->roughness_texture).w;
+  }
+  if (layers.anisotropy) {
+    const Anisotropy& anisotropy = *layers.anisotropy;
+    Vec2f direction(1.0f, 0.0f);
+    sample.anisotropy = anisotropy.strength;
+    if (anisotropy.texture) {
+      const Vec4f value = texel_of(anisotropy.texture);
+      const Vec2f mapped = 2.0f * Vec2f(value) - 1.0f;
+      const float length = std::sqrt(glm::dot(mapped, mapped));
+      if (length > 0.0f) direction = mapped / length;
+      sample.anisotropy *= value.z;
+    }
+    const float c = std::cos(anisotropy.rotation_rad), s = std::sin(anisotropy.rotation_rad);
+    sample.direction = {c * direction.x - s * direction.y, s * direction.x + c * direction.y};
+  }
+  if (layers.specular) {
+    sample.specular = layers.specular->factor * texel_of(layers.specular->factor_texture).w;
+    const Vec3f rec709 = color_of(layers.specular->color, sample.specular_color);
+    sample.specular_most = std::max({rec709.x, rec709.y, rec709.z});
+  }
+  if (layers.through) {
+    sample.through = layers.through->factor * texel_of(layers.through->factor_texture).w;
+    color_of(layers.through->color, sample.through_color);
   }
   return sample;
 }

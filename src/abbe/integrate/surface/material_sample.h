@@ -56,6 +56,21 @@ struct MaterialSample {
 MaterialSample material_sample(const World& world, const SurfaceMaterial& material,
                                const SurfacePoint& point, float footprint_m);
 
+/// The layers of a material at a place.
+struct LayerSample {
+  float coat = 0.0f, coat_roughness = 0.0f;
+  float sheen_roughness = 0.0f, sheen_most = 0.0f;  ///< Roughness; largest channel of the colour.
+  float anisotropy = 0.0f;
+  Vec2f direction{1.0f, 0.0f};                  ///< Of its tangent and bitangent.
+  float specular = 1.0f, specular_most = 1.0f;  ///< Factor; largest channel of the colour.
+  float through = 0.0f;
+  ColorSample sheen, specular_color, through_color;  ///< Over ColorUse::scale; rows are its.
+};
+
+/// Looks up their textures. Domain: material.layers.
+LayerSample layer_sample(const World& world, const SurfaceMaterial& material,
+                         const SurfacePoint& point, float footprint_m);
+
 /// The base colour as linear Rec.709, for the albedo channel.
 Vec3f base_color_rec709(const World& world, const SurfaceMaterial& material,
                         const SurfacePoint& point, float footprint_m);

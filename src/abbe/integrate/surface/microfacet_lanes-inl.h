@@ -22,24 +22,33 @@ inline float AlphaOf(float roughness) {
   return rough * rough;
 }
 
-/// One microfacet normal, drawn once for all lanes among those visible from where they come from.
+/// One microfacet normal of a rough surface, drawn once for all lanes among those visible from
+/// where they come from.
 /// Domain: u in [0, 1)².
 template <class D>
-MicrofacetLanes SampleMicrofacets(D d, int stride, const SurfaceHit& hit,
-                                  const LaneArray& roughness, bool spread, const Vec2f& u) {
+MicrofacetLanes SampleMicrofacets(D d, int stride, const SurfaceHit& hit, const MaterialLanes& at,
+                                  bool spread, const Vec2f& u) {
   MicrofacetLanes facets;
   LaneArray3 shading;
   for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
     Store3(d, ArrivalAt(d, hit, i).shading, shading, i);
   }
+  const LayerLanes* along = at.layers != nullptr && at.layers->is_anisotropic ? at.layers : nullptr;
   const int last = spread ? stride : 1;
   for (int lane = 0; lane < last; ++lane) {
     const int source = hit.lanes.test(lane) ? lane : hit.lanes.front();
-    facets.alpha[lane] = AlphaOf(roughness[source]);
-    const Basis basis(shading.get(source));
+    facets.alpha[lane] = AlphaOf(at.roughness[source]);
+    const Vec3f normal = shading.get(source);
+    Basis basis(normal);
+    Vec2f alpha(facets.alpha[lane]);
+    if (along != nullptr) {
+      basis.tangent = along->tangent.get(source);
+      basis.bitangent = along->bitangent.get(source);
+      alpha = {along->alpha_t[source], along->alpha_b[source]};
+    }
     Vec3f view = basis.to_local(-hit.direction.get(source));
     view.z = std::max(view.z, kLeastCosine);
-    const Vec3f facet = sample_visible_normal(glm::normalize(view), facets.alpha[lane], u);
+    const Vec3f facet = sample_visible_normal(glm::normalize(view), alpha, u);
     facets.normal.set(lane, basis.to_world(facet));
   }
   if (!spread) {

@@ -66,42 +66,68 @@ void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hi
   }
 
   const SurfaceMaterial& material = world.materials[surface.material];
-  if (!material.normal_texture) return;
-  const TextureUse& use = *material.normal_texture;
-  const std::uint32_t set = use.uv_set;
-  if (!surface.uv_offset[set]) return;
-  Vec3f tangent(0.0f);
-  float handedness = 1.0f;
-  if (surface.tangents_offset) {
-    const std::uint32_t shift = *surface.tangents_offset - surface.first_vertex;
-    std::array<Vec4f, 3> tangents;
-    for (std::size_t i = 0; i < 3; ++i) tangents[i] = world.geometry.tangents[corners[i] + shift];
-    if (frame.place) {
-      const Mat3d& linear = world.geometry.places[*frame.place].linear;
-      const bool mirrored = glm::determinant(linear) < 0.0;
-      for (Vec4f& of_corner : tangents) of_corner = moved_tangent(linear, mirrored, of_corner);
+  const bool needs_frame = material.needs_frame();
+  if (!material.normal_texture && !needs_frame) return;
+  // Tangents of a set of coordinates along the surface, and whether there are any.
+  const auto directions = [&](std::uint32_t set, Vec3f& tangent, Vec3f& bitangent) {
+    float handedness = 1.0f;
+    if (surface.tangents_offset) {
+      const std::uint32_t shift = *surface.tangents_offset - surface.first_vertex;
+      std::array<Vec4f, 3> tangents;
+      for (std::size_t i = 0; i < 3; ++i) tangents[i] = world.geometry.tangents[corners[i] + shift];
+      if (frame.place) {
+        const Mat3d& linear = world.geometry.places[*frame.place].linear;
+        const bool mirrored = glm::determinant(linear) < 0.0;
+        for (Vec4f& of_corner : tangents) of_corner = moved_tangent(linear, mirrored, of_corner);
+      }
+      const Vec4f t = w * tangents[0] + u * tangents[1] + v * tangents[2];
+      tangent = Vec3f(t);
+      handedness = t.w < 0.0f ? -1.0f : 1.0f;
+    } else if (surface.uv_offset[set]) {
+      const std::uint32_t shift = *surface.uv_offset[set] - surface.first_vertex;
+      const Vec2f d1 =
+          world.geometry.uv[corners[1] + shift] - world.geometry.uv[corners[0] + shift];
+      const Vec2f d2 =
+          world.geometry.uv[corners[2] + shift] - world.geometry.uv[corners[0] + shift];
+      const float determinant = d1.x * d2.y - d1.y * d2.x;
+      tangent = (b - a) * d2.y - (c - a) * d1.y;
+      if (determinant < 0.0f) tangent = -tangent;
+      // Texture v grows downwards, the bitangent of a normal map upwards.
+      handedness = determinant < 0.0f ? 1.0f : -1.0f;
+    } else {
+      return false;
     }
-    const Vec4f t = w * tangents[0] + u * tangents[1] + v * tangents[2];
-    tangent = Vec3f(t);
-    handedness = t.w < 0.0f ? -1.0f : 1.0f;
-  } else {
-    const std::uint32_t shift = *surface.uv_offset[set] - surface.first_vertex;
-    const Vec2f d1 = world.geometry.uv[corners[1] + shift] - world.geometry.uv[corners[0] + shift];
-    const Vec2f d2 = world.geometry.uv[corners[2] + shift] - world.geometry.uv[corners[0] + shift];
-    const float determinant = d1.x * d2.y - d1.y * d2.x;
-    tangent = (b - a) * d2.y - (c - a) * d1.y;
-    if (determinant < 0.0f) tangent = -tangent;
-    // Texture v grows downwards, the bitangent of a normal map upwards.
-    handedness = determinant < 0.0f ? 1.0f : -1.0f;
+    const Vec3f n = point.shading_normal;
+    tangent = unit_or(tangent - glm::dot(tangent, n) * n, Basis(n).tangent);
+    bitangent = glm::cross(n, tangent) * handedness;
+    return true;
+  };
+  const auto mapped = [&](const TextureUse& use, float scale) {
+    const Vec3f n = point.shading_normal;
+    Vec3f tangent, bitangent;
+    if (!surface.uv_offset[use.uv_set] || !directions(use.uv_set, tangent, bitangent)) return n;
+    const Vec4f texel =
+        world.textures[use.texture].value(transformed_uv(use, point.uv[use.uv_set]), 0.0f);
+    const Vec3f local = (2.0f * Vec3f(texel) - 1.0f) * Vec3f(scale, scale, 1.0f);
+    const Vec3f result = unit_or(local.x * tangent + local.y * bitangent + local.z * n, n);
+    return glm::dot(result, point.normal) > 0.0f ? result : n;
+  };
+  if (needs_frame) {
+    const SurfaceLayers& layers = *material.layers;
+    point.coat_normal = point.shading_normal;
+    if (layers.coat && layers.coat->normal_texture) {
+      point.coat_normal = mapped(*layers.coat->normal_texture, layers.coat->normal_scale);
+    }
+    if (layers.anisotropy) {
+      const auto& texture = layers.anisotropy->texture;
+      if (!directions(texture ? texture->uv_set : 0, point.tangent, point.bitangent)) {
+        point.tangent = point.bitangent = Vec3f(0.0f);
+      }
+    }
   }
-  const Vec3f n = point.shading_normal;
-  tangent = unit_or(tangent - glm::dot(tangent, n) * n, Basis(n).tangent);
-  const Vec3f bitangent = glm::cross(n, tangent) * handedness;
-  const Vec4f texel = world.textures[use.texture].value(transformed_uv(use, point.uv[set]), 0.0f);
-  const Vec3f local =
-      (2.0f * Vec3f(texel) - 1.0f) * Vec3f(material.normal_scale, material.normal_scale, 1.0f);
-  const Vec3f mapped = unit_or(local.x * tangent + local.y * bitangent + local.z * n, n);
-  if (glm::dot(mapped, point.normal) > 0.0f) point.shading_normal = mapped;
+  if (material.normal_texture) {
+    point.shading_normal = mapped(*material.normal_texture, material.normal_scale);
+  }
 }
 
 void fill_ellipsoid(const World& world, const Vec3d& on_ray, std::size_t index,
@@ -116,6 +142,15 @@ void fill_ellipsoid(const World& world, const Vec3d& on_ray, std::size_t index,
   point.normal = Vec3f(glm::normalize(glm::transpose(ellipsoid.world_to_unit_linear) * q));
   point.shading_normal = point.normal;
   point.offset_m = rounding_bound(5) * glm::dot(glm::abs(point.position), glm::abs(point.normal));
+  const SurfaceMaterial& material =
+      world.materials[world.geometry.surfaces[point.surface].material];
+  if (!material.needs_frame()) return;
+  // East and north of a ball, whose Y axis is its pole's.
+  point.coat_normal = point.normal;
+  const Mat3d to_world = Mat3d(world.geometry.ellipsoid_to_world[index]);
+  const Vec3f east(to_world * Vec3d(q.z, 0.0, -q.x));
+  point.tangent = unit_or(east, Basis(point.normal).tangent);
+  point.bitangent = glm::cross(point.normal, point.tangent);
 }
 
 void fill_polyhedron(const World& world, const Vec3d& on_ray, std::size_t index, float face,
@@ -126,7 +161,7 @@ void fill_polyhedron(const World& world, const Vec3d& on_ray, std::size_t index,
   const Vec3d exact = on_ray - (glm::dot(plane.normal, on_ray) - plane.distance) * plane.normal;
   point.position = Vec3f(exact);
   point.normal = Vec3f(plane.normal);
-  point.shading_normal = point.normal;
+  point.shading_normal = point.coat_normal = point.normal;
   point.offset_m = rounding_bound(5) * glm::dot(glm::abs(point.position), glm::abs(point.normal));
 }
 

@@ -20,6 +20,10 @@ struct SurfacePoint {
   /// Bound, along the normal, on the rounding errors of the position, of a point this far off it,
   /// and of testing this surface again from there: new rays start at position ± offset·normal.
   float offset_m = 0.0f;
+  // Of a material that needs_frame(), on the side of `normal`.
+  Vec3f coat_normal{0.0f};  ///< Of its clearcoat.
+  Vec3f tangent{0.0f};      ///< Along the surface; the zero vector where nothing says where to.
+  Vec3f bitangent{0.0f};    ///< Where texture coordinates grow upwards.
   Vec2f uv[2] = {Vec2f(0.0f), Vec2f(0.0f)};
   Vec4f color_rec709{1.0f};
   float uv_per_m[2] = {0.0f, 0.0f};  ///< Width in uv of one metre on the surface.
@@ -52,7 +56,8 @@ TriangleFrame triangle_frame(const World& world, std::uint32_t primitive);
 /// textures, vertex colours, normal maps.
 inline bool has_attributes(const World& world, const Surface& surface) {
   const SurfaceMaterial& material = world.materials[surface.material];
-  return material.is_textured() || material.normal_texture || surface.colors_offset;
+  return material.is_textured() || material.normal_texture || surface.colors_offset ||
+         material.needs_frame();
 }
 
 /// The place of a hit. Positions come from barycentric weights or from the shape itself, not from

@@ -62,24 +62,34 @@ ReboundLanes ReboundAt(D d, int stride, const BoundaryRows& rows, const Material
   return rebound;
 }
 
-/// Lets the reflected ray of microfacets stand for both lobes: by chance it goes where they send
-/// it, or where light that goes on among them leaves. What it carries is both lobes over the
-/// density of both ways to its direction. Domain: u in [0, 1)².
+/// Where light that goes on among microfacets leaves them: one direction for all lanes.
+/// Domain: u in [0, 1)².
 template <class D>
-void ChooseRebound(D d, int stride, const ShadedSurface& surface, Vec2f u, SurfaceAnswer& answer) {
-  const ReboundLanes& rebound = *surface.rebound;
-  Lobe& lobe = answer.lobes[0];
-  if (u.x < rebound.chance) {
-    const float cosine =
-        MicrofacetLoss::table().draw(rebound.drawn_alpha, std::min(u.x / rebound.chance, 1.0f));
-    const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
-    const float turn = 2.0f * static_cast<float>(kPi) * u.y;
-    LaneArray3 shading;
-    for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
-      Store3(d, ArrivalAt(d, surface.hit, i).shading, shading, i);
-    }
-    const Basis basis(shading.get(surface.hit.lanes.front()));
-    Splat(d, stride, basis.to_world({sine * std::cos(turn), sine * std::sin(turn), cosine}),
+Vec3f DrawRebound(D d, const SurfaceHit& hit, const ReboundLanes& rebound, const Vec2f& u) {
+  const float cosine = MicrofacetLoss::table().draw(rebound.drawn_alpha, std::min(u.x, 1.0f));
+  const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
+  const float turn = 2.0f * static_cast<float>(kPi) * u.y;
+  const int step = static_cast<int>(hn::Lanes(d));
+  const int leader = hit.lanes.front();
+  LaneArray3 shading;
+  Store3(d, ArrivalAt(d, hit, leader / step * step).shading, shading, leader / step * step);
+  return Basis(shading.get(leader))
+      .to_world({sine * std::cos(turn), sine * std::sin(turn), cosine});
+}
+
+/// Lets one reflected ray stand for all rough lobes of a surface: by chance it goes where the
+/// microfacets of `lobe` send it, or where light that goes on among them leaves, or where those of
+/// a rough coat send it. What it carries is all lobes over the density of all ways to its
+/// direction. Domain: u, on_coat in [0, 1)², which in [0, 1).
+template <class D>
+void ChooseRay(D d, int stride, const ShadedSurface& surface, bool spread, const Vec2f& u,
+               float which, const Vec2f& on_coat, Lobe& lobe) {
+  const LayerLanes* layers = surface.at.layers;
+  if (layers != nullptr && which < layers->coat_chance) {
+    ReflectAtCoat(d, stride, surface.hit, *layers, spread, on_coat, lobe.direction);
+  } else if (surface.rebound != nullptr && u.x < surface.rebound->chance) {
+    Splat(d, stride,
+          DrawRebound(d, surface.hit, *surface.rebound, {u.x / surface.rebound->chance, u.y}),
           lobe.direction);
   }
   for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {

@@ -12,6 +12,7 @@
 #include <hwy/highway.h>
 
 #include "abbe/integrate/surface/answer-inl.h"
+#include "abbe/integrate/surface/layers-inl.h"
 #include "abbe/optics/microfacet-inl.h"
 #include "abbe/optics/microfacet_loss.h"
 
@@ -26,39 +27,69 @@ struct HalfWay {
   VecOf<D> cos_view_half;  ///< In [0, 1].
   VecOf<D> cos_view;       ///< At least kLeastCosine.
   VecOf<D> alpha2;
+  VecOf<D> root_view;     ///< Smith's.
   VecOf<D> distribution;  ///< GGX's D, sr⁻¹.
 };
 
 template <class D>
-HWY_INLINE HalfWay<D> HalfWayTo(D d, const ShadedSurface& surface, int i, const Vec3Of<D>& normal,
-                                const Vec3Of<D>& to_light) {
+HWY_INLINE Vec3Of<D> HalfVector(D d, const Vec3Of<D>& view, const Vec3Of<D>& to_light,
+                                VecOf<D>* cos_view_half) {
   const auto one = hn::Set(d, 1.0f);
-  const auto view = Load3(d, surface.hit.direction, i);
   const Vec3Of<D> to_view{hn::Neg(view.x), hn::Neg(view.y), hn::Neg(view.z)};
   const auto half = Normalized3(d, Combine3(d, one, to_light, one, to_view));
-  const auto across = Combine3(d, one, half, hn::Neg(Dot3(d, normal, half)), normal);
+  *cos_view_half = hn::Min(hn::Max(Dot3(d, to_view, half), hn::Zero(d)), one);
+  return half;
+}
+
+/// D of the microfacets with that normal.
+template <class D>
+HWY_INLINE VecOf<D> DistributionAt(D d, const MaterialLanes& at, int i, const Vec3Of<D>& normal,
+                                   const Vec3Of<D>& half, VecOf<D> alpha2) {
+  const auto cos_half = Dot3(d, normal, half);
+  if (at.layers != nullptr && at.layers->is_anisotropic) {
+    const LayerLanes& layers = *at.layers;
+    const auto t = hn::Load(d, layers.alpha_t.v + i);
+    const auto b = hn::Load(d, layers.alpha_b.v + i);
+    return GgxDistributionAcross(d, hn::Div(Dot3(d, half, Load3(d, layers.tangent, i)), t),
+                                 hn::Div(Dot3(d, half, Load3(d, layers.bitangent, i)), b), cos_half,
+                                 hn::Mul(t, b));
+  }
+  const auto across = Combine3(d, hn::Set(d, 1.0f), half, hn::Neg(cos_half), normal);
+  return GgxDistribution(d, Dot3(d, across, across), alpha2);
+}
+
+template <class D>
+HWY_INLINE HalfWay<D> HalfWayTo(D d, const ShadedSurface& surface, int i, const Vec3Of<D>& normal,
+                                const Vec3Of<D>& to_light) {
+  const MaterialLanes& at = surface.at;
+  const auto view = Load3(d, surface.hit.direction, i);
   HalfWay<D> way;
-  way.cos_view_half = hn::Min(hn::Max(Dot3(d, to_view, half), hn::Zero(d)), one);
+  const auto half = HalfVector(d, view, to_light, &way.cos_view_half);
   way.cos_view = hn::Max(hn::Load(d, surface.answer.cos_incident.v + i), hn::Set(d, kLeastCosine));
-  const auto roughness =
-      hn::Max(hn::Load(d, surface.at.roughness.v + i), hn::Set(d, kSmoothRoughness));
+  const auto roughness = hn::Max(hn::Load(d, at.roughness.v + i), hn::Set(d, kSmoothRoughness));
   const auto alpha = hn::Mul(roughness, roughness);
   way.alpha2 = hn::Mul(alpha, alpha);
-  way.distribution = GgxDistribution(d, Dot3(d, across, across), way.alpha2);
+  way.root_view = SmithRootOf(d, at, i, view, way.cos_view, way.alpha2);
+  way.distribution = DistributionAt(d, at, i, normal, half, way.alpha2);
   return way;
 }
 
-/// The rough lobe f_r of a surface in the lanes from i on: microfacets of GGX with its
-/// height-correlated masking. Source: glTF 2.0, appendix B.
+/// D·G2/(4 cosines) of a rough surface in the lanes from i on: microfacets of GGX with their
+/// height-correlated masking. Source: glTF 2.0, appendix B; KHR_materials_anisotropy.
 template <class D>
-HWY_INLINE VecOf<D> RoughLobe(D d, const ShadedSurface& surface, int i, const HalfWay<D>& way,
-                              VecOf<D> cos_light) {
-  const auto lobe =
-      hn::Mul(way.distribution,
-              SmithVisibility(d, way.cos_view, hn::Max(cos_light, hn::Set(d, 1e-6f)), way.alpha2));
+HWY_INLINE VecOf<D> FacetLobe(D d, const ShadedSurface& surface, int i, const HalfWay<D>& way,
+                              const Vec3Of<D>& to_light, VecOf<D> cos_light) {
+  const auto above = hn::Max(cos_light, hn::Set(d, 1e-6f));
+  const auto root_light = SmithRootOf(d, surface.at, i, to_light, above, way.alpha2);
+  return hn::Mul(way.distribution,
+                 SmithVisibility(d, way.cos_view, way.root_view, above, root_light));
+}
+
+/// Fresnel's k_r of its microfacets.
+template <class D>
+HWY_INLINE VecOf<D> FacetFresnel(D d, const ShadedSurface& surface, int i, const HalfWay<D>& way) {
   const auto eta = hn::Load(d, surface.answer.eta_ti.v + i);
-  const auto fresnel = SharesAt(d, surface.rows, surface.at, i, eta, way.cos_view_half).reflected;
-  return hn::Mul(fresnel, lobe);
+  return SharesAt(d, surface.rows, surface.at, i, eta, way.cos_view_half).reflected;
 }
 
 /// The lobe f_r of light that a rough metal scatters more than once, in the lanes from i on.
@@ -79,15 +110,86 @@ template <class D>
 struct Scattered {
   VecOf<D> broad;   ///< f_r of lobes that no ray samples, sr⁻¹.
   VecOf<D> rough;   ///< f_r of the lobes that the sampled ray stands for, where there is one.
-  VecOf<D> cosine;  ///< Of the light with the shading normal, at least 0.
+  VecOf<D> cosine;  ///< What both are multiplied with; at least 0.
 };
+
+/// The same under and of layers, where light from behind comes through, too. The cosines of lobes
+/// about several normals are in them.
+template <class D>
+HWY_NOINLINE Scattered<D> LayeredFrom(D d, const ShadedSurface& surface, int i,
+                                      const Vec3Of<D>& to_light) {
+  const LayerLanes& layers = *surface.at.layers;
+  const auto one = hn::Set(d, 1.0f);
+  const auto zero = hn::Zero(d);
+  const auto inverse_pi = hn::Set(d, static_cast<float>(1.0 / kPi));
+  const auto arrival = ArrivalAt(d, surface.hit, i);
+  const auto signed_cosine = Dot3(d, arrival.shading, to_light);
+  const auto cosine = hn::Max(signed_cosine, zero);
+  const auto is_above = hn::Gt(Dot3(d, arrival.facing, to_light), zero);
+  const auto diffuse = hn::Load(d, surface.answer.diffuse.v + i);
+  const auto coat_light = CoatAlbedo(d, surface.rows, layers, i, to_light);
+  const auto under_sheen = UnderSheen(d, layers, i, cosine);
+
+  Scattered<D> light{zero, zero, one};
+  light.broad = hn::Mul(hn::Mul(hn::Mul(diffuse, inverse_pi), hn::Mul(cosine, under_sheen)),
+                        UnderCoat(d, layers, i, coat_light, diffuse, CoatMean(d, layers, i)));
+  VecOf<D> cos_view_half;
+  const auto half = HalfVector(d, arrival.direction, to_light, &cos_view_half);
+  if (layers.has_sheen) {
+    LaneArray cos_light, cos_half, lobe;
+    hn::Store(cosine, d, cos_light.v);
+    hn::Store(hn::Max(Dot3(d, half, arrival.shading), zero), d, cos_half.v);
+    for (int k = 0; k < static_cast<int>(hn::Lanes(d)); ++k) {
+      lobe[k] = sheen_lobe(surface.answer.cos_incident[i + k], cos_light[k], cos_half[k],
+                           layers.sheen_roughness[i + k]);
+    }
+    const auto sheen = hn::Mul(hn::Load(d, layers.sheen.v + i), hn::Load(d, lobe.v));
+    light.broad = hn::Add(light.broad, hn::Mul(hn::Mul(sheen, cosine),
+                                               UnderCoat(d, layers, i, coat_light, zero, zero)));
+  }
+  if (surface.has_rough_lobe) {
+    const auto way = HalfWayTo(d, surface, i, arrival.shading, to_light);
+    const auto k_r = FacetFresnel(d, surface, i, way);
+    const auto lobe = hn::Mul(k_r, FacetLobe(d, surface, i, way, to_light, cosine));
+    const auto between = hn::Min(CoatView(d, layers, i), coat_light);
+    light.rough = hn::Mul(hn::Mul(hn::Mul(lobe, cosine), under_sheen),
+                          UnderCoat(d, layers, i, coat_light, k_r, between));
+  }
+  if (surface.rebound != nullptr) {
+    const auto lobe = hn::Mul(ReboundLobe(d, *surface.rebound, i, cosine), cosine);
+    light.rough = hn::Add(light.rough, hn::Mul(hn::Mul(lobe, under_sheen),
+                                               UnderCoat(d, layers, i, coat_light, zero, zero)));
+  }
+  if (surface.has_rough_coat) {
+    const auto coat = CoatHalfWay(d, layers, i, arrival, half);
+    const auto cos_coat = Dot3(d, Load3(d, layers.coat_normal, i), to_light);
+    const auto lobe = hn::Mul(
+        coat.distribution,
+        SmithVisibility(d, coat.cos_view, coat.root_view, hn::Max(cos_coat, hn::Set(d, 1e-6f)),
+                        SmithRoot(d, hn::Max(cos_coat, zero), coat.alpha2)));
+    const auto k_r =
+        hn::Mul(hn::Load(d, layers.coat.v + i), CoatFresnel(d, surface.rows, i, cos_view_half));
+    light.rough = hn::Add(light.rough, hn::Mul(hn::Mul(k_r, lobe), hn::Max(cos_coat, zero)));
+  }
+  light.broad = hn::IfThenElseZero(is_above, light.broad);
+  light.rough = hn::IfThenElseZero(is_above, light.rough);
+  if (layers.has_through) {
+    const auto behind = hn::Mul(hn::Max(hn::Neg(signed_cosine), zero), inverse_pi);
+    const auto through =
+        hn::Mul(hn::Mul(hn::Load(d, surface.answer.through.v + i), behind),
+                hn::Mul(UnderCoat(d, layers, i, zero, zero, zero), UnderSheen(d, layers, i, one)));
+    light.broad = hn::IfThenElse(is_above, light.broad, through);
+  }
+  return light;
+}
 
 /// f_r of all lobes of a surface that have a width, in the lanes from i on; 0 where the light is
 /// not on their side.
-/// Shape: `to_light` of unit length, away from the surface.
+/// Shape: `to_light` of unit length, away from the surface, to either side.
 template <class D>
 HWY_INLINE Scattered<D> ScatteredFrom(D d, const ShadedSurface& surface, int i,
                                       const Vec3Of<D>& to_light) {
+  if (surface.at.layers != nullptr) return LayeredFrom(d, surface, i, to_light);
   const auto zero = hn::Zero(d);
   const auto normal = Load3(d, surface.hit.normal, i);
   const auto cos_light = Dot3(d, normal, to_light);
@@ -101,7 +203,8 @@ HWY_INLINE Scattered<D> ScatteredFrom(D d, const ShadedSurface& surface, int i,
   light.rough = zero;
   if (surface.has_rough_lobe) {
     const auto way = HalfWayTo(d, surface, i, normal, to_light);
-    light.rough = RoughLobe(d, surface, i, way, cos_light);
+    light.rough = hn::Mul(FacetFresnel(d, surface, i, way),
+                          FacetLobe(d, surface, i, way, to_light, cos_light));
   }
   if (surface.rebound != nullptr) {
     light.rough = hn::Add(light.rough, ReboundLobe(d, *surface.rebound, i, cos_light));
@@ -122,21 +225,33 @@ template <class D>
 HWY_INLINE VecOf<D> SampledDensity(D d, const ShadedSurface& surface, int i,
                                    const Vec3Of<D>& direction) {
   if (!surface.samples_rough_lobe) return hn::Zero(d);
-  const auto normal = ArrivalAt(d, surface.hit, i).shading;
-  const auto way = HalfWayTo(d, surface, i, normal, direction);
-  const auto root = SmithRoot(d, way.cos_view, way.alpha2);
-  const auto once =
-      hn::Div(hn::Mul(hn::Set(d, 0.5f), way.distribution), hn::Add(way.cos_view, root));
-  if (surface.rebound == nullptr) return once;
-  const ReboundLanes& rebound = *surface.rebound;
-  LaneArray cosine, density;
-  hn::Store(Dot3(d, normal, direction), d, cosine.v);
-  for (int k = 0; k < static_cast<int>(hn::Lanes(d)); ++k) {
-    density[k] = cosine[k] * MicrofacetLoss::table().density(cosine[k], rebound.drawn_alpha);
+  const auto arrival = ArrivalAt(d, surface.hit, i);
+  const LayerLanes* layers = surface.at.layers;
+  auto of_base = hn::Zero(d);
+  if (surface.has_rough_lobe) {
+    const auto way = HalfWayTo(d, surface, i, arrival.shading, direction);
+    of_base =
+        hn::Div(hn::Mul(hn::Set(d, 0.5f), way.distribution), hn::Add(way.cos_view, way.root_view));
   }
-  const auto often = hn::Mul(hn::Load(d, density.v), hn::Set(d, static_cast<float>(1.0 / kPi)));
-  const auto chance = hn::Set(d, rebound.chance);
-  return hn::Add(hn::Mul(hn::Sub(hn::Set(d, 1.0f), chance), once), hn::Mul(chance, often));
+  if (surface.rebound != nullptr) {
+    const ReboundLanes& rebound = *surface.rebound;
+    LaneArray cosine, density;
+    hn::Store(Dot3(d, arrival.shading, direction), d, cosine.v);
+    for (int k = 0; k < static_cast<int>(hn::Lanes(d)); ++k) {
+      density[k] = cosine[k] * MicrofacetLoss::table().density(cosine[k], rebound.drawn_alpha);
+    }
+    const auto often = hn::Mul(hn::Load(d, density.v), hn::Set(d, static_cast<float>(1.0 / kPi)));
+    const auto chance = hn::Set(d, rebound.chance);
+    of_base = hn::Add(hn::Mul(hn::Sub(hn::Set(d, 1.0f), chance), of_base), hn::Mul(chance, often));
+  }
+  if (!surface.has_rough_coat) return of_base;
+  VecOf<D> cos_view_half;
+  const auto half = HalfVector(d, arrival.direction, direction, &cos_view_half);
+  const auto coat = CoatHalfWay(d, *layers, i, arrival, half);
+  const auto of_coat =
+      hn::Div(hn::Mul(hn::Set(d, 0.5f), coat.distribution), hn::Add(coat.cos_view, coat.root_view));
+  const auto chance = hn::Set(d, layers->coat_chance);
+  return hn::Add(hn::Mul(hn::Sub(hn::Set(d, 1.0f), chance), of_base), hn::Mul(chance, of_coat));
 }
 
 /// What a sampled ray carries that leaves in a direction, in the lanes from i on: f_r·cosθ of the

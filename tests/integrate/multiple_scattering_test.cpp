@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "abbe/optics/microfacet_loss.h"
+#include "abbe/optics/rough/microfacet_loss.h"
 #include "integrate/rough_surface.h"
 #include "support/ggx.h"
 #include "support/scene_builder.h"

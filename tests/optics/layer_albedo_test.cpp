@@ -1,6 +1,6 @@
 // Albedos of layers against brute-force integration over directions.
 
-#include "abbe/optics/layer_albedo.h"
+#include "abbe/optics/rough/layer_albedo.h"
 
 #include <gtest/gtest.h>
 

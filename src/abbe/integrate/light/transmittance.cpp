@@ -7,7 +7,7 @@
 #include "abbe/integrate/surface/contact.h"
 #include "abbe/integrate/surface/material_sample.h"
 #include "abbe/optics/boundary.h"
-#include "abbe/optics/layer_albedo.h"
+#include "abbe/optics/rough/layer_albedo.h"
 
 namespace abbe {
 namespace {

@@ -60,7 +60,7 @@ struct MicrofacetLanes {
 };
 
 /// The lobe of light that rough metals scatter among their microfacets more than once:
-/// factor · view_loss · (loss towards the light)/π, losses as of optics/microfacet_loss.h.
+/// factor · view_loss · (loss towards the light)/π, losses as of optics/rough/microfacet_loss.h.
 struct ReboundLanes {
   LaneArray factor;  ///< F_ms over the mean loss, times the metallic part.
   LaneArray view_loss;

@@ -20,8 +20,8 @@
 #include <algorithm>
 
 #include "abbe/integrate/surface/answer-inl.h"
-#include "abbe/optics/layer_albedo.h"
 #include "abbe/optics/microfacet.h"
+#include "abbe/optics/rough/layer_albedo.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {

@@ -15,7 +15,7 @@
 #include "abbe/base/constants.h"
 #include "abbe/integrate/surface/microfacet_lanes-inl.h"
 #include "abbe/integrate/surface/scatter-inl.h"
-#include "abbe/optics/microfacet_loss.h"
+#include "abbe/optics/rough/microfacet_loss.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {

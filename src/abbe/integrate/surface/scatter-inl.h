@@ -14,7 +14,7 @@
 #include "abbe/integrate/surface/answer-inl.h"
 #include "abbe/integrate/surface/layers-inl.h"
 #include "abbe/optics/microfacet-inl.h"
-#include "abbe/optics/microfacet_loss.h"
+#include "abbe/optics/rough/microfacet_loss.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace abbe {

@@ -1,4 +1,4 @@
-#include "abbe/optics/layer_albedo.h"
+#include "abbe/optics/rough/layer_albedo.h"
 
 #include <algorithm>
 #include <cmath>

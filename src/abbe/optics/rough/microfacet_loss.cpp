@@ -1,4 +1,4 @@
-#include "abbe/optics/microfacet_loss.h"
+#include "abbe/optics/rough/microfacet_loss.h"
 
 #include <algorithm>
 #include <cmath>

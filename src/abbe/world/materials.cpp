@@ -76,6 +76,11 @@ class Tabulator {
     material.film = film(source);
     material.layers = layers(source);
     add_emission(source, material);
+    const bool is_asked = source.lights_others == LightsOthers::Auto
+                              ? scene_.emissive_light
+                              : source.lights_others == LightsOthers::Yes;
+    material.lights_others = is_asked && material.emission && !material.unlit;
+    material.is_two_sided = source.double_sided || material.transmission != Transmission::None;
     return material;
   }
 

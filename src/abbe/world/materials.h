@@ -84,6 +84,8 @@ struct SurfaceMaterial {
   Vec3f emissive_rec709{0.0f};  ///< For textured emission.
   bool emission_is_textured = false;
   bool emission_is_spectrum = false;  ///< A lamp's spectrum: textures multiply it.
+  bool lights_others = false;         ///< What it emits lights other surfaces.
+  bool is_two_sided = false;          ///< Its back is as its front; of glass, always.
 
   RowId index = 0;  ///< n per lane.
   bool index_is_infinite = false;

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "abbe/base/constants.h"
+#include "abbe/world/emitters.h"
 
 namespace abbe {
 namespace {
@@ -102,7 +103,10 @@ TabulatedScene tabulate(const Scene& scene, const WorldOptions& options, const O
   Materials materials = tabulate_materials(scene, lanes, rows);
   std::vector<WorldLight> lights = tabulate_lights(scene, lanes, rows);
   std::shared_ptr<const WorldEnvironment> environment = tabulate_environment(scene, lanes, rows);
-  const bool shines_all_around = environment != nullptr;
+  const bool shines_all_around =
+      environment != nullptr ||
+      std::any_of(materials.surfaces.begin(), materials.surfaces.end(),
+                  [](const SurfaceMaterial& material) { return material.lights_others; });
   const std::optional<RowId> ambient =
       scene.environment ? std::nullopt : tabulate_ambient(scene, lanes, rows);
   const std::optional<WorldFog> fog = tabulate_fog(scene, lanes, rows);
@@ -150,6 +154,8 @@ World make_world(TabulatedScene tables, Geometry geometry, std::span<const std::
   world.touching = std::move(touching);
   world.medium_boxes = boxes_of_media(world);
   for (const Box3f& box : world.medium_boxes) world.media_bounds.extend(box);
+  auto emitters = std::make_shared<const WorldEmitters>(world);
+  if (!emitters->is_empty()) world.emitters = std::move(emitters);
   return world;
 }
 

@@ -24,6 +24,8 @@
 
 namespace abbe {
 
+class WorldEmitters;
+
 /// What a scene is made of and what lights it, every spectrum a row of one value per lane.
 struct TabulatedScene {
   LaneModel lanes;
@@ -38,7 +40,8 @@ struct TabulatedScene {
   std::shared_ptr<const WorldEnvironment> environment;  ///< Null: none.
   std::optional<WorldFog> fog;
   /// THE decision whether rough opaque dielectrics reflect what is around them by a sampled ray, as
-  /// metals and glass always do: where there is an environment, which no highlight shows.
+  /// metals and glass always do: where there is an environment, or surfaces shine, which no
+  /// highlight shows.
   bool shines_all_around = false;
 
   RowId d65 = 0;                 ///< Emission of D65 at 1 cd/m², for textured emission.
@@ -71,6 +74,8 @@ struct World : TabulatedScene {
   /// Per primitive but those of shared meshes, which touch nothing; empty where nothing may touch
   /// anything.
   std::vector<Touching> touching = {};
+  /// Surfaces that light others (world/emitters.h). Null: none.
+  std::shared_ptr<const WorldEmitters> emitters = {};
 
   const Touching& touching_of(std::uint32_t primitive) const {
     static constexpr Touching kNothing{};

@@ -16,6 +16,7 @@
 #include "abbe/caustics/flat/light/point-inl.h"
 #include "abbe/integrate/integrator.h"
 #include "abbe/integrate/light/chain_gates-inl.h"
+#include "abbe/integrate/light/emitted-inl.h"
 #include "abbe/integrate/light/pixel.h"
 #include "abbe/integrate/light/reflected_light-inl.h"
 #include "abbe/optics/absorption-inl.h"
@@ -66,6 +67,7 @@ class DirectLight {
           fan.depth == 0 ? lamp : kIncoherent);
     }
     if (world_.environment) send_environment(surface, to_light);
+    if (world_.emitters) send_emitters(surface, fog_per_m, to_light);
     send_parallel_chains(surface);
     send_point_chains(surface);
   }
@@ -96,6 +98,36 @@ class DirectLight {
                                    to_light.irradiance.v);
       const float share = 1.0f / (drawn->density * static_cast<float>(count));
       for (int lane = 0; lane < stride_; ++lane) to_light.irradiance[lane] *= share;
+      ShadowJob job;
+      if (!begin_job(without_rays, to_light, job)) continue;
+      job.departure = departure_from(hit, job.lanes, to_light.direction);
+      shadows_.add(job, [&](int lane) { return shadow_ray(hit, to_light, lane); });
+    }
+  }
+
+  // Light of surfaces that shine, as that from all around.
+  void send_emitters(const LitSurface& surface, float fog_per_m, LightGeometry& to_light) {
+    const D d;
+    const Fan& fan = surface.where.fan;
+    const SurfaceHit& hit = surface.where.hit;
+    const CameraSample& sample = samples_[fan.sample];
+    const ShadedSurface& all = surface.shaded;
+    const ShadedSurface broad{all.hit, all.at, all.rows, all.answer, false, false, nullptr};
+    const LitSurface without_rays{surface.where, broad, surface.throughput};
+    const Vec3f from = hit.position.get(hit.lanes.front());
+    const auto first_item = static_cast<std::uint32_t>(world_.lights.size()) * kPlacesSeen;
+    const std::uint32_t count = fan.depth == 0 ? kPlacesSeen : 1;
+    LaneArray radiance;
+    for (std::uint32_t number = 0; number < count; ++number) {
+      std::optional<WorldEmitters::Spot> spot = world_.emitters->draw(
+          from, random_2d(sample.chance, fan.path, Purpose::LightPoint, first_item + number));
+      if (!spot) continue;
+      EmissionAt(d, world_, *spot, sample.set, radiance);
+      spot->per_m2 *= static_cast<float>(count);
+      LightFromSpot(*spot, stride_, radiance, hit.position, to_light);
+      if (fog_per_m > 0.0f) {
+        Attenuate(d, stride_, fog_per_m, to_light.distance_m, to_light.irradiance);
+      }
       ShadowJob job;
       if (!begin_job(without_rays, to_light, job)) continue;
       job.departure = departure_from(hit, job.lanes, to_light.direction);

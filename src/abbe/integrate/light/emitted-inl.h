@@ -1,0 +1,71 @@
+/// Light that a place on an emitter sends to the lanes of a fan. Highway code, compiled once per
+/// instruction set.
+
+#if defined(ABBE_INTEGRATE_LIGHT_EMITTED_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ABBE_INTEGRATE_LIGHT_EMITTED_INL_H_
+#undef ABBE_INTEGRATE_LIGHT_EMITTED_INL_H_
+#else
+#define ABBE_INTEGRATE_LIGHT_EMITTED_INL_H_
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "abbe/integrate/surface/material_lanes-inl.h"
+#include "abbe/integrate/surface/point.h"
+#include "abbe/world/emitters.h"
+#include "abbe/world/light/lights.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace abbe {
+namespace HWY_NAMESPACE {
+
+/// Radiance of an emitter at a spot, per lane, as rays that meet it see it.
+template <class D>
+void EmissionAt(D d, const World& world, const WorldEmitters::Spot& spot, int set,
+                LaneArray& radiance) {
+  SurfacePoint point;
+  if (world.geometry.is_triangle(spot.primitive)) {
+    Hit hit;
+    hit.primitive = spot.primitive;
+    hit.u = spot.weights.x;
+    hit.v = spot.weights.y;
+    point = triangle_point(world, triangle_frame(world, spot.primitive), hit);
+  } else {
+    point.surface = world.geometry.surface_of(spot.primitive);
+  }
+  const SurfaceMaterial& material =
+      world.materials[world.geometry.surfaces[point.surface].material];
+  const MaterialSample here = material_sample(world, material, point, 0.0f);
+  LaneArray scale;
+  if (!here.emission.uses_row) Splat(d, world.lanes.lane_stride(), here.emission_scale, scale);
+  FillEmission(d, world, material, std::span(&here.emission, 1), scale, set, radiance);
+  if (here.alpha == 1.0f) return;
+  for (int lane = 0; lane < world.lanes.lane_stride(); ++lane) radiance[lane] *= here.alpha;
+}
+
+/// The way from places of lanes to a spot, and what arrives there of `radiance` per density of the
+/// spot: L·cosθ/(r²·p). Rays to it end short of the emitter, by what rounding may do to either end.
+inline void LightFromSpot(const WorldEmitters::Spot& spot, int stride, const LaneArray& radiance,
+                          const LaneArray3& positions, LightGeometry& geometry) {
+  const Vec3f size = glm::abs(spot.position);
+  const float rounding_m = 4e-6f * (size.x + size.y + size.z);
+  for (int lane = 0; lane < stride; ++lane) {
+    const Vec3f way = spot.position - positions.get(lane);
+    const float distance2 = std::max(glm::dot(way, way), 1e-30f);
+    const float distance = std::sqrt(distance2);
+    const Vec3f direction = way / distance;
+    const float cosine = -glm::dot(direction, spot.normal);
+    const float shown = spot.two_sided ? std::abs(cosine) : std::max(cosine, 0.0f);
+    geometry.direction.set(lane, direction);
+    geometry.distance_m[lane] = std::max(distance - rounding_m - 1e-5f * distance, 0.0f);
+    geometry.irradiance[lane] = radiance[lane] * shown / (distance2 * spot.per_m2);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace abbe
+HWY_AFTER_NAMESPACE();
+
+#endif  // ABBE_INTEGRATE_LIGHT_EMITTED_INL_H_

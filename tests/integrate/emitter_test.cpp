@@ -1,0 +1,128 @@
+// Light of surfaces that shine, against form factors.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "abbe/base/constants.h"
+#include "support/scene_builder.h"
+
+namespace abbe {
+namespace {
+
+constexpr double kLuminance = 5.0;
+
+// A white floor at the origin, seen from above through what shines or beside it.
+Scene floor_seen_from(const Vec3d& eye) {
+  Scene scene;
+  scene.emissive_light = true;
+  test::add_square(scene, test::add(scene, test::matte(Vec3f(1.0f))), 0.01,
+                   test::rotation({1, 0, 0}, -90.0));
+  scene.cameras.push_back(test::orthographic_camera(eye, {0, 0, 0}, 1e-4, 1e-4));
+  return scene;
+}
+
+std::uint32_t add_emitter(Scene& scene, bool two_sided = false) {
+  Material material = test::emitter(Vec3f(static_cast<float>(kLuminance)));
+  material.double_sided = two_sided;
+  return test::add(scene, material);
+}
+
+double seen(const Scene& scene, int samples = 64) {
+  RenderSettings settings = test::small_settings();
+  settings.samples_per_pixel = samples;
+  const test::Rendered result = test::render(scene, settings);
+  double sum = 0.0;
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 8; ++x) {
+      sum += static_cast<double>(test::pixel(result.image, x, y, "G"));
+    }
+  }
+  return sum / 64.0;
+}
+
+// From an element to a rectangle a × b at distance c parallel to it, with one corner above it.
+// Source: Howell, A Catalog of Radiation Heat Transfer Configuration Factors, B-3.
+double corner_above(double a, double b, double c) {
+  const double x = a / c, y = b / c;
+  const double rx = std::sqrt(1.0 + x * x), ry = std::sqrt(1.0 + y * y);
+  return (x / rx * std::atan(y / rx) + y / ry * std::atan(x / ry)) / (2.0 * kPi);
+}
+
+// The same for a rectangle that stands upright on the element's plane, b wide and c high at a.
+// Source: Howell, B-5.
+double upright(double a, double b, double c) {
+  const double r = std::sqrt(a * a + c * c);
+  return (std::atan(b / a) - a / r * std::atan(b / r)) / (2.0 * kPi);
+}
+
+TEST(EmitterTest, square_above_lights_the_floor_by_its_form_factor) {
+  Scene scene = floor_seen_from({3, 1, 0});
+  test::add_square(scene, add_emitter(scene), 0.5,
+                   test::translation({0, 0.8, 0}) * test::rotation({1, 0, 0}, 90.0));
+  // 4096 samples of 4 spots, spread evenly by solid angle.
+  EXPECT_NEAR(seen(scene) / (kLuminance * 4.0 * corner_above(0.5, 0.5, 0.8)), 1.0, 1e-3);
+}
+
+TEST(EmitterTest, upright_square_too_and_nothing_comes_from_its_back) {
+  Scene scene = floor_seen_from({3, 1, 0});
+  const std::uint32_t shining = add_emitter(scene);
+  const Mat4d stands = test::translation({0, 0.5, -0.7});
+  test::add_square(scene, shining, 0.5, stands);
+  const double expected = kLuminance * 2.0 * upright(0.7, 0.5, 1.0);
+  EXPECT_NEAR(seen(scene) / expected, 1.0, 1.5e-3);
+  scene.instances.back().to_world = stands * test::rotation({0, 1, 0}, 180.0);
+  EXPECT_EQ(seen(scene), 0.0);
+  scene.materials[shining].double_sided = true;
+  EXPECT_NEAR(seen(scene) / expected, 1.0, 1.5e-3);
+}
+
+TEST(EmitterTest, ball_is_its_projected_cone) {
+  Scene scene = floor_seen_from({3, 1, 0});
+  test::add_sphere(scene, add_emitter(scene), {0.6, 0.8, 0.0}, 0.3);
+  EXPECT_NEAR(seen(scene) / (kLuminance * 0.09 * 0.8), 1.0, 1e-3);
+}
+
+TEST(EmitterTest, half_hidden_it_gives_half) {
+  Scene scene = floor_seen_from({3, 1, 0});
+  test::add_square(scene, add_emitter(scene), 0.5,
+                   test::translation({0, 0.8, 0}) * test::rotation({1, 0, 0}, 90.0));
+  test::add_square(scene, test::add(scene, test::matte(Vec3f(0.0f))), 0.5,
+                   test::translation({-0.5, 0.7, 0}) * test::rotation({1, 0, 0}, 90.0));
+  // A shadow's edge through the middle: seven eighths of the rectangle's x are as bright, as it is
+  // nearer; by symmetry the half on the one side is what is left.
+  EXPECT_NEAR(seen(scene, 256) / (kLuminance * 2.0 * corner_above(0.5, 0.5, 0.8)), 1.0, 2e-3);
+}
+
+TEST(EmitterTest, off_it_lights_nothing_but_is_seen) {
+  Scene scene = floor_seen_from({3, 1, 0});
+  test::add_square(scene, add_emitter(scene), 0.5,
+                   test::translation({0, 0.8, 0}) * test::rotation({1, 0, 0}, 90.0));
+  scene.materials.back().lights_others = LightsOthers::No;
+  EXPECT_EQ(seen(scene), 0.0);
+  scene.cameras[0] = test::orthographic_camera({0, 0.5, 0}, {0, 1, 0.001}, 1e-4, 1e-4);
+  EXPECT_NEAR(seen(scene, 4), kLuminance, 2e-3 * kLuminance);
+}
+
+// Its lobes see what shines by rays of their own, the floor's diffuse share is lit by spots:
+// together as in an even furnace of that radiance.
+TEST(EmitterTest, nothing_is_counted_twice) {
+  for (const double roughness : {0.0, 0.3, 1.0}) {
+    Scene scene = floor_seen_from({0, 1, 0.3});
+    scene.materials[0].roughness = static_cast<float>(roughness);
+    test::add_sphere(scene, add_emitter(scene, true), {0, 0, 0}, 50.0);
+    const double all_around = seen(scene, 64);
+    Scene even = floor_seen_from({0, 1, 0.3});
+    even.materials[0].roughness = static_cast<float>(roughness);
+    auto environment = std::make_shared<Environment>();
+    environment->image.width = 8;
+    environment->image.height = 4;
+    environment->image.rgb_rec709.assign(32, Vec3f(static_cast<float>(kLuminance)));
+    even.environment = environment;
+    // Both by chance.
+    EXPECT_NEAR(all_around / seen(even, 64), 1.0, 5e-3) << roughness;
+  }
+}
+
+}  // namespace
+}  // namespace abbe

@@ -112,7 +112,7 @@ class DirectLight {
     const SurfaceHit& hit = surface.where.hit;
     const CameraSample& sample = samples_[fan.sample];
     const ShadedSurface& all = surface.shaded;
-    const ShadedSurface broad{all.hit, all.at, all.rows, all.answer, false, false, nullptr};
+    const ShadedSurface broad{all.hit, all.at, all.rows, all.answer};
     const LitSurface without_rays{surface.where, broad, surface.throughput};
     const Vec3f from = hit.position.get(hit.lanes.front());
     const auto first_item = static_cast<std::uint32_t>(world_.lights.size()) * kPlacesSeen;

@@ -1,12 +1,34 @@
 #include "abbe/caustics/lit_world.h"
 
 #include <chrono>
+#include <cstddef>
 #include <utility>
+#include <vector>
 
 #include "abbe/caustics/flat/search/find.h"
 #include "abbe/scene/validation.h"
 
 namespace abbe {
+namespace {
+
+// Where a lamp with an extent still shines as one without.
+void warn_of_extents(const TabulatedScene& tables, const FlatCaustics& flat, Notes& notes) {
+  std::vector<bool> has_chains(tables.lights.size(), false);
+  for (const ParallelChain& chain : flat.parallel.chains) has_chains[chain.light] = true;
+  for (const PointChain& chain : flat.point.chains) {
+    has_chains[flat.point.groups[chain.group].light] = true;
+  }
+  for (std::size_t i = 0; i < tables.lights.size(); ++i) {
+    const WorldLight& light = tables.lights[i];
+    if (!light.extent || (!has_chains[i] && !tables.fog)) continue;
+    notes.warn("light \"" + light.name + "\"",
+               has_chains[i] ? "its shape counts on straight ways; through flat glass and off "
+                               "mirrors it shines from its middle"
+                             : "its shape counts on surfaces; in fog it shines from its middle");
+  }
+}
+
+}  // namespace
 
 LitWorld make_lit_world(const Scene& scene, const WorldOptions& options,
                         const CausticOptions& caustics, const Observer& observer,
@@ -16,6 +38,7 @@ LitWorld make_lit_world(const Scene& scene, const WorldOptions& options,
   TabulatedScene tables = tabulate(scene, options, observer, d65);
   Geometry geometry = flatten(scene, notes, options.sharing);
   FlatCaustics flat = find_flat_caustics(scene, tables, caustics, notes);
+  warn_of_extents(tables, flat, notes);
   World world = make_world(std::move(tables), std::move(geometry), flat.surface_is_exact,
                            options.accelerator);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;

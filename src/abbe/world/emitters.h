@@ -33,9 +33,9 @@ class WorldEmitters {
     Vec3f position{0.0f};
     Vec3f normal{0.0f};  ///< Geometric, of unit length, pointing out of the front.
     std::uint32_t primitive = 0;
-    Vec2f weights{0.0f};     ///< Barycentric, as in Hit::u and Hit::v.
-    float per_m2 = 0.0f;     ///< Its density, > 0.
-    bool two_sided = false;  ///< Whether the back shines, too.
+    Vec2f weights = Vec2f(0.0f);  ///< Barycentric, as in Hit::u and Hit::v.
+    float per_m2 = 0.0f;          ///< Its density, > 0.
+    bool two_sided = false;       ///< Whether the back shines, too.
   };
   /// A spot drawn for a place. Absent where none of it can shine there.
   /// Domain: u in [0, 1)².

@@ -52,6 +52,10 @@ class DirectLight {
     const float fog_per_m = world_.fog && fan.media.empty() ? world_.fog->extinction_per_m : 0.0f;
     LightGeometry to_light;
     for (const WorldLight& light : world_.lights) {
+      if (light.extent) {
+        send_extended(surface, light, fog_per_m, to_light);
+        continue;
+      }
       StraightLight(d, stride_, light, world_.row(light.row, set), hit.position, to_light);
       if (fog_per_m > 0.0f && light.has_distance()) {
         Attenuate(d, stride_, fog_per_m, to_light.distance_m, to_light.irradiance);
@@ -74,6 +78,59 @@ class DirectLight {
 
  private:
   static constexpr std::uint32_t kPlacesSeen = 4;
+
+  // Straight light of a lamp with an extent, of all lobes: no ray meets it.
+  void send_extended(const LitSurface& surface, const WorldLight& light, float fog_per_m,
+                     LightGeometry& to_light) {
+    const D d;
+    const Fan& fan = surface.where.fan;
+    const SurfaceHit& hit = surface.where.hit;
+    const CameraSample& sample = samples_[fan.sample];
+    const auto lamp = static_cast<std::uint32_t>(&light - world_.lights.data());
+    const Vec3f from = hit.position.get(hit.lanes.front());
+    const float* row = world_.row(light.row, sample.set);
+    const std::uint32_t count = fan.depth == 0 ? kPlacesSeen : 1;
+    LaneArray radiance;
+    for (std::uint32_t number = 0; number < count; ++number) {
+      const Vec2f u =
+          random_2d(sample.chance, fan.path, Purpose::LightPoint, lamp * kPlacesSeen + number);
+      if (light.is_parallel) {
+        const SkyDiscRay ray = direction_to_disc(*light.extent, -light.direction, u);
+        Splat(d, stride_, ray.direction, to_light.direction);
+        Splat(d, stride_, kInfinity, to_light.distance_m);
+        const float share = ray.irradiance / static_cast<float>(count);
+        for (int lane = 0; lane < stride_; ++lane) to_light.irradiance[lane] = share * row[lane];
+      } else {
+        const auto spot = spot_on_lamp(*light.extent, light.position, light.direction, from, u);
+        if (!spot) continue;
+        for (int lane = 0; lane < stride_; ++lane) radiance[lane] = spot->radiance * row[lane];
+        LightFromSpot({.position = spot->position,
+                       .normal = spot->normal,
+                       .per_m2 = spot->per_m2 * static_cast<float>(count)},
+                      stride_, radiance, hit.position, to_light);
+        cut_to_window(light, to_light);
+        if (fog_per_m > 0.0f) {
+          Attenuate(d, stride_, fog_per_m, to_light.distance_m, to_light.irradiance);
+        }
+      }
+      ShadowJob job;
+      job.at_glass = rule_of(caustics_, lamp);
+      if (!begin_job(surface, to_light, job)) continue;
+      job.departure = departure_from(hit, job.lanes, to_light.direction);
+      shadows_.add(job, [&](int lane) { return shadow_ray(hit, to_light, lane); });
+    }
+  }
+
+  // What the lamp's range and cone leave.
+  void cut_to_window(const WorldLight& light, LightGeometry& to_light) const {
+    const D d;
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      const auto cosine = Dot3(d, Load3(d, to_light.direction, i), Set3(d, -light.direction));
+      const auto window = LampWindow(d, light, hn::Load(d, to_light.distance_m.v + i), cosine);
+      hn::Store(hn::Mul(hn::Load(d, to_light.irradiance.v + i), window), d,
+                to_light.irradiance.v + i);
+    }
+  }
 
   // Light from all around that the surface scatters widely; what its lobes have rays for they meet
   // themselves. Straight through all glass.

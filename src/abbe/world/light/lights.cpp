@@ -54,6 +54,10 @@ std::vector<WorldLight> tabulate_lights(const Scene& scene, const LaneModel& lan
                               static_cast<float>(0.5 * source.beam->width_m),
                               static_cast<float>(0.5 * source.beam->height_m)};
     }
+    if (source.shape) {
+      light.extent = LampExtent{*source.shape, Vec3f(glm::normalize(Vec3d(source.to_world[0]))),
+                                Vec3f(glm::normalize(Vec3d(source.to_world[1])))};
+    }
     if (std::isfinite(source.range_m) && source.range_m > 0.0) {
       light.range_m = static_cast<float>(source.range_m);
     }

@@ -11,6 +11,7 @@
 #include "abbe/math/vec.h"
 #include "abbe/scene/scene.h"
 #include "abbe/world/lanes.h"
+#include "abbe/world/light/lamp_shape.h"
 #include "abbe/world/rows.h"
 
 namespace abbe {
@@ -21,13 +22,14 @@ struct BeamWindow {
   float half_x_m = 0.0f, half_y_m = 0.0f;
 };
 
-/// A lamp without extent. Its row is radiant intensity or, of parallel light, irradiance.
+/// A lamp, from its middle. Its row is radiant intensity or, of parallel light, irradiance.
 struct WorldLight {
   std::string name;
   Vec3f position{0.0f};                ///< Of a beam, the middle of its rectangle.
   Vec3f direction{0.0f, 0.0f, -1.0f};  ///< In which it shines; unit length.
   bool is_parallel = false;            ///< The same direction everywhere.
   std::optional<BeamWindow> beam;      ///< Of parallel light; absent where that has no bounds.
+  std::optional<LampExtent> extent;    ///< What surfaces see instead of its middle.
   float range_m = kInfinity;           ///< Where its light ends.
   // A spot shines where cosine · spot_scale + spot_offset, cut to [0, 1] and squared, is not 0.
   bool is_spot = false;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,19 @@
 
 namespace abbe {
 namespace {
+
+// Exact light is dear where many bodies see each other: who waits is to know for what, and how not
+// to.
+void tell_cost(const FlatCaustics& flat, Notes& notes) {
+  constexpr std::size_t kMany = 2000;
+  const std::size_t count = flat.parallel.chains.size() + flat.point.chains.size();
+  if (count < kMany) return;
+  notes.info("",
+             "light of lamps takes " + std::to_string(count) +
+                 " paths through flat glass and off flat mirrors, which costs several times what "
+                 "straight light does: --chain with a small number leaves out inner reflections, "
+                 "--caustics off sends all of it straight");
+}
 
 // Where a lamp with an extent still shines as one without.
 void warn_of_extents(const TabulatedScene& tables, const FlatCaustics& flat, Notes& notes) {
@@ -38,6 +52,7 @@ LitWorld make_lit_world(const Scene& scene, const WorldOptions& options,
   TabulatedScene tables = tabulate(scene, options, observer, d65);
   Geometry geometry = flatten(scene, notes, options.sharing);
   FlatCaustics flat = find_flat_caustics(scene, tables, caustics, notes);
+  tell_cost(flat, notes);
   warn_of_extents(tables, flat, notes);
   World world = make_world(std::move(tables), std::move(geometry), flat.surface_is_exact,
                            options.accelerator);

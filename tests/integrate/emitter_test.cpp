@@ -77,6 +77,31 @@ TEST(EmitterTest, upright_square_too_and_nothing_comes_from_its_back) {
   EXPECT_NEAR(seen(scene) / expected, 1.0, 1.5e-3);
 }
 
+// Shadow rays start off a large triangle by its bound, and must not overshoot what they ask.
+TEST(EmitterTest, large_floors_and_near_emitters_keep_all_light) {
+  for (const double half_m : {0.5, 5.0, 500.0}) {
+    for (const double height_m : {0.1, 1.0}) {
+      Scene scene = floor_seen_from({3, 0.05, 0});
+      scene.instances.clear();
+      test::add_square(scene, 0, half_m, test::rotation({1, 0, 0}, -90.0));
+      test::add_square(scene, add_emitter(scene), 0.5,
+                       test::translation({0, height_m, 0}) * test::rotation({1, 0, 0}, 90.0));
+      const double expected = kLuminance * 4.0 * corner_above(0.5, 0.5, height_m);
+      EXPECT_NEAR(seen(scene) / expected, 1.0, 2e-3) << half_m << " " << height_m;
+    }
+  }
+}
+
+TEST(EmitterTest, what_shines_below_the_horizon_leaves_no_grain) {
+  Scene scene = floor_seen_from({3, 1, 0});
+  test::add_square(scene, add_emitter(scene), 0.5,
+                   test::translation({0, 0.8, 0}) * test::rotation({1, 0, 0}, 90.0));
+  Material bright = test::emitter(Vec3f(1e6f));
+  test::add_square(scene, test::add(scene, bright), 0.5,
+                   test::translation({0, -1, 0}) * test::rotation({1, 0, 0}, -90.0));
+  EXPECT_NEAR(seen(scene) / (kLuminance * 4.0 * corner_above(0.5, 0.5, 0.8)), 1.0, 1e-3);
+}
+
 TEST(EmitterTest, ball_is_its_projected_cone) {
   Scene scene = floor_seen_from({3, 1, 0});
   test::add_sphere(scene, add_emitter(scene), {0.6, 0.8, 0.0}, 0.3);

@@ -41,8 +41,8 @@ Sum drawn(const World& world, const Vec3f& from, int count = 200) {
     for (int j = 0; j < count; ++j) {
       const auto n = static_cast<float>(count);
       const float x = (static_cast<float>(i) + unit(engine)) / n;
-      const auto spot =
-          world.emitters->draw(from, {std::min(x, 0.999999f), (static_cast<float>(j) + 0.5f) / n});
+      const auto spot = world.emitters->draw(
+          {.position = from}, {std::min(x, 0.999999f), (static_cast<float>(j) + 0.5f) / n});
       if (!spot) continue;
       const Vec3d way = Vec3d(spot->position) - Vec3d(from);
       const double cosine = -glm::dot(glm::normalize(way), Vec3d(spot->normal));
@@ -50,8 +50,8 @@ Sum drawn(const World& world, const Vec3f& from, int count = 200) {
       const double share = shown / glm::dot(way, way) / static_cast<double>(spot->per_m2);
       sum.solid_angle_sr += share / (1.0 * count * count);
       sum.squares += share * share / (1.0 * count * count);
-      const double again =
-          static_cast<double>(world.emitters->density(from, spot->primitive, spot->position));
+      const double again = static_cast<double>(
+          world.emitters->density({.position = from}, spot->primitive, spot->position));
       const double ratio = again / static_cast<double>(spot->per_m2);
       if (std::abs(ratio - 1.0) > std::abs(sum.worst_ratio - 1.0)) sum.worst_ratio = ratio;
     }

@@ -212,10 +212,10 @@ std::uint32_t WorldEmitters::build(std::vector<Leaf>& leaves, std::size_t first,
   const Vec3f size = centers.size();
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const std::size_t middle = (first + last) / 2;
-  using Place = std::vector<Leaf>::difference_type;
-  std::nth_element(leaves.begin() + static_cast<Place>(first),
-                   leaves.begin() + static_cast<Place>(middle),
-                   leaves.begin() + static_cast<Place>(last), [&](const Leaf& a, const Leaf& b) {
+  using Step = std::vector<Leaf>::difference_type;
+  std::nth_element(leaves.begin() + static_cast<Step>(first),
+                   leaves.begin() + static_cast<Step>(middle),
+                   leaves.begin() + static_cast<Step>(last), [&](const Leaf& a, const Leaf& b) {
                      return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis]
                                                              : a.node.piece < b.node.piece;
                    });
@@ -242,34 +242,39 @@ std::uint32_t WorldEmitters::build(std::vector<Leaf>& leaves, std::size_t first,
   return number;
 }
 
-float WorldEmitters::chance_of_first(std::uint32_t node, const Vec3f& from) const {
+float WorldEmitters::chance_of_first(std::uint32_t node, const Place& place) const {
   const auto of = [&](const Node& child) {
-    return importance(child.power, child.bounds, child.axis, child.cos_cone, from);
+    // All of it below the horizon.
+    const Vec3f half = 0.5f * child.bounds.size();
+    const Vec3f way = child.bounds.center() - place.position;
+    const float highest = glm::dot(way, place.normal) + glm::dot(half, glm::abs(place.normal));
+    if (highest < 0.0f) return 0.0f;
+    return importance(child.power, child.bounds, child.axis, child.cos_cone, place.position);
   };
   const float first = of(nodes_[node + 1]), second = of(nodes_[nodes_[node].second]);
   const float sum = first + second;
   return sum > 0.0f ? first / sum : -1.0f;
 }
 
-float WorldEmitters::chance_of_leaf(std::uint32_t leaf, const Vec3f& from) const {
+float WorldEmitters::chance_of_leaf(std::uint32_t leaf, const Place& place) const {
   float chance = 1.0f;
   for (std::uint32_t node = leaf; node != 0; node = nodes_[node].parent) {
     const std::uint32_t parent = nodes_[node].parent;
-    const float first = chance_of_first(parent, from);
+    const float first = chance_of_first(parent, place);
     if (first < 0.0f) return 0.0f;
     chance *= node == parent + 1 ? first : 1.0f - first;
   }
   return chance;
 }
 
-std::optional<WorldEmitters::Spot> WorldEmitters::draw(const Vec3f& from, const Vec2f& u) const {
+std::optional<WorldEmitters::Spot> WorldEmitters::draw(const Place& place, const Vec2f& u) const {
   if (nodes_.empty()) return std::nullopt;
   std::uint32_t node = 0;
   // What is left of a number that has decided between two parts is a number again.
   double left = static_cast<double>(u.x);
   double chance = 1.0;
   while (nodes_[node].second != 0) {
-    const float part = chance_of_first(node, from);
+    const float part = chance_of_first(node, place);
     if (part < 0.0f) return std::nullopt;
     const auto first = static_cast<double>(part);
     if (left < first) {
@@ -283,6 +288,7 @@ std::optional<WorldEmitters::Spot> WorldEmitters::draw(const Vec3f& from, const 
     }
   }
   const Piece& piece = pieces_[nodes_[node].piece];
+  const Vec3f& from = place.position;
   const Vec2f where(static_cast<float>(left), u.y);
   std::optional<Spot> spot = piece.ellipsoid ? draw_on_ellipsoid(piece, from, where)
                                              : draw_on_triangle(piece, from, where);
@@ -381,7 +387,7 @@ float WorldEmitters::density_on(const Piece& piece, const Vec3f& from, const Vec
   return static_cast<float>(std::abs(height) / (distance2 * std::sqrt(distance2) * angle_sr));
 }
 
-float WorldEmitters::density(const Vec3f& from, std::uint32_t primitive, const Vec3f& at) const {
+float WorldEmitters::density(const Place& place, std::uint32_t primitive, const Vec3f& at) const {
   const auto first = std::lower_bound(
       pieces_.begin(), pieces_.end(), primitive,
       [](const Piece& piece, std::uint32_t number) { return piece.primitive < number; });
@@ -406,7 +412,7 @@ float WorldEmitters::density(const Vec3f& from, std::uint32_t primitive, const V
   }
   const std::uint32_t leaf = leaf_of_piece_[static_cast<std::size_t>(found - pieces_.data())];
   if (nodes_.empty() || nodes_[leaf].second != 0) return 0.0f;
-  return chance_of_leaf(leaf, from) * density_on(*found, from, at);
+  return chance_of_leaf(leaf, place) * density_on(*found, place.position, at);
 }
 
 }  // namespace abbe

@@ -37,13 +37,18 @@ class WorldEmitters {
     float per_m2 = 0.0f;          ///< Its density, > 0.
     bool two_sided = false;       ///< Whether the back shines, too.
   };
+  /// A place to be lit: light comes from above its plane; from all around where `normal` is 0.
+  struct Place {
+    Vec3f position{0.0f};
+    Vec3f normal{0.0f};
+  };
   /// A spot drawn for a place. Absent where none of it can shine there.
   /// Domain: u in [0, 1)².
-  std::optional<Spot> draw(const Vec3f& from, const Vec2f& u) const;
+  std::optional<Spot> draw(const Place& place, const Vec2f& u) const;
 
   /// The density with which draw() finds a place on a primitive; 0 where it never does.
   /// Domain: `at` on the primitive, as rays find it.
-  float density(const Vec3f& from, std::uint32_t primitive, const Vec3f& at) const;
+  float density(const Place& place, std::uint32_t primitive, const Vec3f& at) const;
 
  private:
   struct Piece {
@@ -79,13 +84,13 @@ class WorldEmitters {
   void build(const World& world);
   std::uint32_t build(std::vector<Leaf>& leaves, std::size_t first, std::size_t last,
                       std::uint32_t parent);
-  float chance_of_first(std::uint32_t node, const Vec3f& from) const;
+  float chance_of_first(std::uint32_t node, const Place& place) const;
   std::optional<Spot> draw_on_triangle(const Piece& piece, const Vec3f& from,
                                        const Vec2f& where) const;
   std::optional<Spot> draw_on_ellipsoid(const Piece& piece, const Vec3f& from,
                                         const Vec2f& where) const;
   float density_on(const Piece& piece, const Vec3f& from, const Vec3f& at) const;
-  float chance_of_leaf(std::uint32_t leaf, const Vec3f& from) const;
+  float chance_of_leaf(std::uint32_t leaf, const Place& place) const;
 
   std::vector<Piece> pieces_;
   std::vector<RoundEmitter> ellipsoids_;

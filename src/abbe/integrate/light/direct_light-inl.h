@@ -91,6 +91,7 @@ class DirectLight {
     const float* row = world_.row(light.row, sample.set);
     const std::uint32_t count = fan.depth == 0 ? kPlacesSeen : 1;
     LaneArray radiance;
+    WorldEmitters::Spot place;
     for (std::uint32_t number = 0; number < count; ++number) {
       const Vec2f u =
           random_2d(sample.chance, fan.path, Purpose::LightPoint, lamp * kPlacesSeen + number);
@@ -104,10 +105,10 @@ class DirectLight {
         const auto spot = spot_on_lamp(*light.extent, light.position, light.direction, from, u);
         if (!spot) continue;
         for (int lane = 0; lane < stride_; ++lane) radiance[lane] = spot->radiance * row[lane];
-        LightFromSpot({.position = spot->position,
-                       .normal = spot->normal,
-                       .per_m2 = spot->per_m2 * static_cast<float>(count)},
-                      stride_, radiance, hit.position, to_light);
+        place = {.position = spot->position,
+                 .normal = spot->normal,
+                 .per_m2 = spot->per_m2 * static_cast<float>(count)};
+        LightFromSpot(place, stride_, radiance, hit.position, to_light);
         cut_to_window(light, to_light);
         if (fog_per_m > 0.0f) {
           Attenuate(d, stride_, fog_per_m, to_light.distance_m, to_light.irradiance);
@@ -117,7 +118,10 @@ class DirectLight {
       job.at_glass = rule_of(caustics_, lamp);
       if (!begin_job(surface, to_light, job)) continue;
       job.departure = departure_from(hit, job.lanes, to_light.direction);
-      shadows_.add(job, [&](int lane) { return shadow_ray(hit, to_light, lane); });
+      shadows_.add(job, [&](int lane) {
+        return light.is_parallel ? shadow_ray(hit, to_light, lane)
+                                 : ray_to_spot(place, 0.0f, origin_of(hit, to_light, lane));
+      });
     }
   }
 
@@ -171,15 +175,22 @@ class DirectLight {
     const ShadedSurface& all = surface.shaded;
     const ShadedSurface broad{all.hit, all.at, all.rows, all.answer};
     const LitSurface without_rays{surface.where, broad, surface.throughput};
-    const Vec3f from = hit.position.get(hit.lanes.front());
+    WorldEmitters::Place place{.position = hit.position.get(hit.lanes.front())};
+    // What lets light through is lit from behind, too.
+    const auto& layers = material_of(world_, hit).layers;
+    if (!layers || !layers->through) {
+      const Vec3f outward = hit.outward.get(hit.lanes.front());
+      const bool is_front = glm::dot(hit.direction.get(hit.lanes.front()), outward) < 0.0f;
+      place.normal = is_front ? outward : -outward;
+    }
     const auto first_item = static_cast<std::uint32_t>(world_.lights.size()) * kPlacesSeen;
     const std::uint32_t count = fan.depth == 0 ? kPlacesSeen : 1;
     LaneArray radiance;
     for (std::uint32_t number = 0; number < count; ++number) {
       std::optional<WorldEmitters::Spot> spot = world_.emitters->draw(
-          from, random_2d(sample.chance, fan.path, Purpose::LightPoint, first_item + number));
+          place, random_2d(sample.chance, fan.path, Purpose::LightPoint, first_item + number));
       if (!spot) continue;
-      EmissionAt(d, world_, *spot, sample.set, radiance);
+      const float rounding_m = EmissionAt(d, world_, *spot, sample.set, radiance);
       spot->per_m2 *= static_cast<float>(count);
       LightFromSpot(*spot, stride_, radiance, hit.position, to_light);
       if (fog_per_m > 0.0f) {
@@ -188,7 +199,9 @@ class DirectLight {
       ShadowJob job;
       if (!begin_job(without_rays, to_light, job)) continue;
       job.departure = departure_from(hit, job.lanes, to_light.direction);
-      shadows_.add(job, [&](int lane) { return shadow_ray(hit, to_light, lane); });
+      shadows_.add(job, [&](int lane) {
+        return ray_to_spot(*spot, rounding_m, origin_of(hit, to_light, lane));
+      });
     }
   }
 

@@ -21,10 +21,11 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
-/// Radiance of an emitter at a spot, per lane, as rays that meet it see it.
+/// Radiance of an emitter at a spot, per lane, as rays that meet it see it. Returns a bound, along
+/// the normal, on where rays meet it instead.
 template <class D>
-void EmissionAt(D d, const World& world, const WorldEmitters::Spot& spot, int set,
-                LaneArray& radiance) {
+float EmissionAt(D d, const World& world, const WorldEmitters::Spot& spot, int set,
+                 LaneArray& radiance) {
   SurfacePoint point;
   if (world.geometry.is_triangle(spot.primitive)) {
     Hit hit;
@@ -41,16 +42,17 @@ void EmissionAt(D d, const World& world, const WorldEmitters::Spot& spot, int se
   LaneArray scale;
   if (!here.emission.uses_row) Splat(d, world.lanes.lane_stride(), here.emission_scale, scale);
   FillEmission(d, world, material, std::span(&here.emission, 1), scale, set, radiance);
-  if (here.alpha == 1.0f) return;
-  for (int lane = 0; lane < world.lanes.lane_stride(); ++lane) radiance[lane] *= here.alpha;
+  if (here.alpha != 1.0f) {
+    for (int lane = 0; lane < world.lanes.lane_stride(); ++lane) radiance[lane] *= here.alpha;
+  }
+  const Vec3f size = glm::abs(spot.position);
+  return 2.0f * point.offset_m + 1e-6f * (size.x + size.y + size.z);
 }
 
 /// The way from places of lanes to a spot, and what arrives there of `radiance` per density of the
-/// spot: L·cosθ/(r²·p). Rays to it end short of the emitter, by what rounding may do to either end.
+/// spot: L·cosθ/(r²·p).
 inline void LightFromSpot(const WorldEmitters::Spot& spot, int stride, const LaneArray& radiance,
                           const LaneArray3& positions, LightGeometry& geometry) {
-  const Vec3f size = glm::abs(spot.position);
-  const float rounding_m = 4e-6f * (size.x + size.y + size.z);
   for (int lane = 0; lane < stride; ++lane) {
     const Vec3f way = spot.position - positions.get(lane);
     const float distance2 = std::max(glm::dot(way, way), 1e-30f);
@@ -59,9 +61,20 @@ inline void LightFromSpot(const WorldEmitters::Spot& spot, int stride, const Lan
     const float cosine = -glm::dot(direction, spot.normal);
     const float shown = spot.two_sided ? std::abs(cosine) : std::max(cosine, 0.0f);
     geometry.direction.set(lane, direction);
-    geometry.distance_m[lane] = std::max(distance - rounding_m - 1e-5f * distance, 0.0f);
+    geometry.distance_m[lane] = distance;
     geometry.irradiance[lane] = radiance[lane] * shown / (distance2 * spot.per_m2);
   }
+}
+
+/// From just off a surface to a spot, and not up to where rays meet the emitter: that is up to
+/// `rounding_m` off along its normal. The start has moved aside, too; it is aimed at anew.
+inline Ray ray_to_spot(const WorldEmitters::Spot& spot, float rounding_m, const Vec3f& origin) {
+  const Vec3f way = spot.position - origin;
+  const float distance = std::max(glm::length(way), 1e-30f);
+  const Vec3f direction = way / distance;
+  const float cosine = std::max(std::abs(glm::dot(direction, spot.normal)), 1e-3f);
+  const float end_m = distance - 1e-5f * distance - rounding_m / cosine;
+  return {origin, std::max(end_m, 0.0f), direction};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -48,6 +48,7 @@ class ParallelChainLight {
     const D d;
     rounding_m_ = rounding_m;
     bool any = false;
+    axis_ = pixel.is_point() ? 0 : axis_of(positions, pixel);
     for (int i = 0; i < tables_.lanes.lane_stride(); i += static_cast<int>(hn::Lanes(d))) {
       any |= light_lanes(positions, pixel, i, geometry, met);
     }
@@ -130,9 +131,19 @@ class ParallelChainLight {
   // place of it that is nearest to the one at hand.
   M clip_to_lit(M lit, const PixelOnSurface& pixel, int i, V3& place, V& irradiance) const {
     const D d;
-    // Most sides leave all of a pixel or nothing.
     std::uint64_t cuts = 0;
-    float cut_by_x = 0.0f, cut_by_y = 0.0f;
+    Vec2f unused(0.0f);
+    lit = find_cuts(lit, pixel, i, place, cuts, unused);
+    if (cuts == 0 || hn::AllFalse(d, lit)) return lit;
+    return clip_area(lit, cuts, pixel, axis_, i, place, irradiance);
+  }
+
+  // The lanes that some of the pixel is lit in as far as single sides tell, the sides that cut it,
+  // and how squarely they cut along each of its own.
+  M find_cuts(M lit, const PixelOnSurface& pixel, int i, const V3& place, std::uint64_t& cuts,
+              Vec2f& cut_by) const {
+    const D d;
+    // Most sides leave all of a pixel or nothing.
     for (std::size_t s = 0; s < chain_.side_count && !hn::AllFalse(d, lit); ++s) {
       const Side side = side_at(s, i);
       if (pixel.is_point()) {
@@ -146,11 +157,23 @@ class ParallelChainLight {
       const M is_cut = hn::And(lit, hn::Lt(line.height, most));
       if (hn::AllFalse(d, is_cut)) continue;
       cuts |= std::uint64_t{1} << std::min<std::size_t>(s, kLastBit);
-      cut_by_x += hn::GetLane(hn::SumOfLanes(d, hn::IfThenElseZero(is_cut, rise_x)));
-      cut_by_y += hn::GetLane(hn::SumOfLanes(d, hn::IfThenElseZero(is_cut, rise_y)));
+      cut_by.x += hn::GetLane(hn::SumOfLanes(d, hn::IfThenElseZero(is_cut, rise_x)));
+      cut_by.y += hn::GetLane(hn::SumOfLanes(d, hn::IfThenElseZero(is_cut, rise_y)));
     }
-    if (cuts == 0 || hn::AllFalse(d, lit)) return lit;
-    return clip_area(lit, cuts, pixel, cut_by_x >= cut_by_y ? 0 : 1, i, place, irradiance);
+    return lit;
+  }
+
+  // Along which side of the pixel its sides are cut more squarely: for all lanes, so that it is the
+  // same however many a vector has.
+  int axis_of(const LaneArray3& positions, const PixelOnSurface& pixel) const {
+    const D d;
+    Vec2f cut_by(0.0f);
+    for (int i = 0; i < tables_.lanes.lane_stride(); i += static_cast<int>(hn::Lanes(d))) {
+      const V3 place = moved(Load3(d, positions, i), hn::Set(d, 1.0f), -chain_.origin);
+      std::uint64_t cuts = 0;
+      find_cuts(hn::Gt(hn::LoadU(d, rows_.weight + i), hn::Zero(d)), pixel, i, place, cuts, cut_by);
+    }
+    return cut_by.x >= cut_by.y ? 0 : 1;
   }
 
   // The same for the sides of `cuts`, of which u runs along the side of the pixel of that number.
@@ -259,6 +282,7 @@ class ParallelChainLight {
   const ParallelChainRows<const float> rows_;
   const int set_;
   float rounding_m_ = 0.0f;
+  int axis_ = 0;
 };
 
 }  // namespace HWY_NAMESPACE

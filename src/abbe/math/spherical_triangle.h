@@ -11,6 +11,10 @@ namespace abbe {
 ///         30(2), 1983.
 double solid_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c);
 
+/// Below this triangles are better sampled by area: they subtend next to the same angle from all of
+/// it, and what is left of α + β + γ − π has too few digits.
+inline constexpr double kLeastSolidAngle_sr = 1e-5;
+
 /// A direction among those in which a triangle is seen from the origin, evenly by solid angle.
 /// Shape:  unit length. Domain: u in [0, 1]²; a solid angle of at least 1e-6 sr.
 /// Source: Arvo, Stratified Sampling of Spherical Triangles, SIGGRAPH 1995.

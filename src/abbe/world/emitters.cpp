@@ -14,10 +14,6 @@
 namespace abbe {
 namespace {
 
-// Below this solid angle triangles are sampled by area: they subtend next to the same angle from
-// all of it, and what is left of α + β + γ − π has too few digits.
-constexpr double kLeastSolidAngle_sr = 1e-5;
-
 // Of luminance, what a texture may hide between the places where it is looked at.
 constexpr float kUnseen = 0.05f;
 

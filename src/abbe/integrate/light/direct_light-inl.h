@@ -136,6 +136,11 @@ class DirectLight {
     }
   }
 
+  // A surface but for the lobes that have rays of their own.
+  static ShadedSurface without_rays(const ShadedSurface& all) {
+    return {all.hit, all.at, all.rows, all.answer};
+  }
+
   // Light from all around that the surface scatters widely; what its lobes have rays for they meet
   // themselves. Straight through all glass.
   void send_environment(const LitSurface& surface, LightGeometry& to_light) {
@@ -143,9 +148,8 @@ class DirectLight {
     const Fan& fan = surface.where.fan;
     const SurfaceHit& hit = surface.where.hit;
     const CameraSample& sample = samples_[fan.sample];
-    const ShadedSurface& all = surface.shaded;
-    const ShadedSurface broad{all.hit, all.at, all.rows, all.answer};
-    const LitSurface without_rays{surface.where, broad, surface.throughput};
+    const ShadedSurface broad = without_rays(surface.shaded);
+    const LitSurface lit{surface.where, broad, surface.throughput};
     // What the camera sees is lit from more places, so that a pixel of few samples has little
     // grain.
     const std::uint32_t count = fan.depth == 0 ? kPlacesSeen : 1;
@@ -160,7 +164,7 @@ class DirectLight {
       const float share = 1.0f / (drawn->density * static_cast<float>(count));
       for (int lane = 0; lane < stride_; ++lane) to_light.irradiance[lane] *= share;
       ShadowJob job;
-      if (!begin_job(without_rays, to_light, job)) continue;
+      if (!begin_job(lit, to_light, job)) continue;
       job.departure = departure_from(hit, job.lanes, to_light.direction);
       shadows_.add(job, [&](int lane) { return shadow_ray(hit, to_light, lane); });
     }
@@ -172,9 +176,8 @@ class DirectLight {
     const Fan& fan = surface.where.fan;
     const SurfaceHit& hit = surface.where.hit;
     const CameraSample& sample = samples_[fan.sample];
-    const ShadedSurface& all = surface.shaded;
-    const ShadedSurface broad{all.hit, all.at, all.rows, all.answer};
-    const LitSurface without_rays{surface.where, broad, surface.throughput};
+    const ShadedSurface broad = without_rays(surface.shaded);
+    const LitSurface lit{surface.where, broad, surface.throughput};
     WorldEmitters::Place place{.position = hit.position.get(hit.lanes.front())};
     // What lets light through is lit from behind, too.
     const auto& layers = material_of(world_, hit).layers;
@@ -197,7 +200,7 @@ class DirectLight {
         Attenuate(d, stride_, fog_per_m, to_light.distance_m, to_light.irradiance);
       }
       ShadowJob job;
-      if (!begin_job(without_rays, to_light, job)) continue;
+      if (!begin_job(lit, to_light, job)) continue;
       job.departure = departure_from(hit, job.lanes, to_light.direction);
       shadows_.add(job, [&](int lane) {
         return ray_to_spot(*spot, rounding_m, origin_of(hit, to_light, lane));

@@ -5,22 +5,19 @@
 
 #include "abbe/base/constants.h"
 #include "abbe/optics/fresnel.h"
+#include "abbe/optics/rough/smith.h"
 
 namespace abbe {
 namespace {
 
 constexpr double kCoatIndex = 1.5;
 
-double ggx_lambda(double cosine, double alpha) {
-  return 0.5 * (std::sqrt(1.0 + alpha * alpha * (1.0 / (cosine * cosine) - 1.0)) - 1.0);
-}
-
 // Over visible microfacets, by the substitutions of microfacet_loss.cpp.
 double coat_share(double cosine, double alpha) {
   if (alpha < 1e-3) return fresnel_dielectric(cosine, kCoatIndex).reflectance();
   constexpr int kPlaces = 32, kTurns = 21;
   const double sine = std::sqrt(1.0 - cosine * cosine);
-  const double of_view = ggx_lambda(cosine, alpha);
+  const double of_view = smith_lambda(cosine, alpha);
   double sum = 0.0;
   for (int j = 0; j < kTurns; ++j) {
     const double shift = (8 * j % kTurns + 0.5) / kTurns;
@@ -33,7 +30,7 @@ double coat_share(double cosine, double alpha) {
       if (!(facing > 0.0)) continue;
       const double out = 2.0 * facing / (1.0 + steep * steep) - cosine;
       if (!(out > 0.0)) continue;
-      const double let_by = (1.0 + of_view) / (1.0 + of_view + ggx_lambda(out, alpha));
+      const double let_by = (1.0 + of_view) / (1.0 + of_view + smith_lambda(out, alpha));
       const double half = std::min(1.0, facing / std::sqrt(1.0 + steep * steep));
       sum += 24.0 * x * (1.0 - x) * q * rest * facing / (cosine * (1.0 + of_view)) * let_by *
              fresnel_dielectric(half, kCoatIndex).reflectance();

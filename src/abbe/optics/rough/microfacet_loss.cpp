@@ -4,13 +4,10 @@
 #include <cmath>
 
 #include "abbe/base/constants.h"
+#include "abbe/optics/rough/smith.h"
 
 namespace abbe {
 namespace {
-
-double smith_lambda(double cosine, double alpha) {
-  return 0.5 * (std::sqrt(1.0 + alpha * alpha * (1.0 / (cosine * cosine) - 1.0)) - 1.0);
-}
 
 // The part of visible microfacets that does not send light out, integrated over their slopes. With
 // u = 1 − (1 − w)² of P22's radial distribution far ones have no pole, w = q² is even about the

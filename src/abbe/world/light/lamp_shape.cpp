@@ -11,8 +11,6 @@
 namespace abbe {
 namespace {
 
-constexpr double kLeastSolidAngle_sr = 1e-5;
-
 // A place above a flat lamp sees it by its two triangles.
 std::optional<LampSpot> on_rectangle(const RectangleLamp& lamp, const LampExtent& extent,
                                      const Vec3f& middle, const Vec3f& direction, const Vec3f& from,

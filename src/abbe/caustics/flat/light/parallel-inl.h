@@ -40,9 +40,9 @@ class ParallelChainLight {
 
   /// Fills directions to the light, distances to the last facet, and the irradiance across them, 0
   /// in lanes that are not lit. Returns whether any lane is. The light is the mean over a pixel
-  /// about each place. The
-  /// geometry is that of a lit place of the pixel, spread over what is lit as samples are over the
-  /// pixel, so that what stands in the way is asked there. Places may be off by `rounding_m`.
+  /// about each place. The geometry is that of the lit place of the pixel that is nearest to each,
+  /// so that what stands in the way is asked where the samples are. Places may be off by
+  /// `rounding_m`.
   bool run(const LaneArray3& positions, float rounding_m, const PixelOnSurface& pixel,
            LightGeometry& geometry, ChainPlaces& met) {
     const D d;

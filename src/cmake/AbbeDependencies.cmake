@@ -13,3 +13,8 @@ set(ABBE_DEPENDENCIES
   CLI11
   OpenColorIO
   OpenImageIO)
+
+# Libraries that one feature each needs, which says so where it is asked for without them.
+set(ABBE_OPTIONAL_DEPENDENCIES
+  draco
+  meshoptimizer)

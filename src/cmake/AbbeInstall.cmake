@@ -9,6 +9,9 @@ get_property(modules GLOBAL PROPERTY ABBE_MODULES)
 install(TARGETS abbe abbe_baseline ${modules} EXPORT abbe-targets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+if(TARGET abbe_draco)
+  install(FILES ${PROJECT_BINARY_DIR}/libabbe_draco.a DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endif()
 if(TARGET abbe_program)
   install(TARGETS abbe_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()

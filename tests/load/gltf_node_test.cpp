@@ -232,5 +232,24 @@ TEST_F(GltfInstancing, no_place_is_a_fault) {
   EXPECT_THAT(error(), HasSubstr("attributes: found no place"));
 }
 
+TEST_F(GltfNode, hidden_node_and_all_below_it_are_left_out_but_for_cameras) {
+  document["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+  document["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1}}}}};
+  const Json hidden = {{"KHR_node_visibility", {{"visible", false}}}};
+  const Json shown = {{"KHR_node_visibility", {{"visible", true}}},
+                      {"KHR_lights_punctual", {{"light", 0}}}};
+  document["nodes"] = {{{"mesh", 0}},
+                       {{"mesh", 0}, {"children", {2}}, {"extensions", hidden}},
+                       {{"mesh", 0}, {"camera", 0}, {"extensions", shown}}};
+  document["scenes"][0]["nodes"] = {0, 1};
+  const Scene scene = load();
+  EXPECT_EQ(scene.instances.size(), 1u);
+  EXPECT_EQ(scene.lights.size(), 0u);
+  EXPECT_EQ(scene.cameras.size(), 1u);
+  EXPECT_THAT(notes_text(), HasSubstr("2 nodes are hidden by KHR_node_visibility"));
+  document["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = "no";
+  EXPECT_THAT(error(), HasSubstr("/nodes/1/extensions/KHR_node_visibility/visible"));
+}
+
 }  // namespace
 }  // namespace abbe

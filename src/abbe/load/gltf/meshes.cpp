@@ -7,9 +7,11 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "abbe/base/error.h"
 #include "abbe/load/gltf/document/check.h"
+#include "abbe/load/gltf/document/compressed.h"
 #include "abbe/load/gltf/motion/attributes.h"
 
 namespace abbe::gltf {
@@ -146,15 +148,21 @@ Triangles assemble(const Corners& corners, int mode) {
   return triangles;
 }
 
+// `decoded` are those of a compressed primitive, if it is one.
 Corners read_corners(Document& document, Accessors& accessors, const tinygltf::Primitive& source,
-                     std::size_t vertex_count, const std::string& pointer) {
+                     std::optional<std::vector<std::uint32_t>> decoded, std::size_t vertex_count,
+                     const std::string& pointer) {
   if (vertex_count > std::numeric_limits<std::uint32_t>::max()) {
     throw_input_error(document.where(pointer), fmt::format("{} vertices", vertex_count),
                       "at most 2^32 - 1");
   }
   Corners corners;
   std::vector<std::uint32_t>& indices = corners.indices;
-  if (source.indices >= 0) {
+  if (decoded) {
+    accessors.spend(decoded->size(), pointer);
+    indices = std::move(*decoded);
+    corners.selected = select(indices, vertex_count);
+  } else if (source.indices >= 0) {
     accessors.spend(accessors.count(source.indices), pointer);
     indices = accessors.indices(source.indices, pointer + "/indices");
     take_restarts(document, accessors.largest_index(source.indices), pointer, corners);
@@ -168,7 +176,7 @@ Corners read_corners(Document& document, Accessors& accessors, const tinygltf::P
     corners.selected = select(indices, vertex_count);
   }
   accessors.spend(corners.selected ? corners.selected->size() : vertex_count, pointer);
-  if (source.indices < 0) {
+  if (!decoded && source.indices < 0) {
     indices.resize(vertex_count);
     std::iota(indices.begin(), indices.end(), 0u);
   }
@@ -231,37 +239,28 @@ void move_vertices(Document& document, Accessors& accessors, const tinygltf::Pri
   deform(mesh, targets, joints, matrices);
 }
 
-}  // namespace
-
-std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& model,
+// A primitive that has triangles and POSITION; `decoded` are its corners where it was compressed.
+std::optional<Mesh> read_triangles(Document& document, const tinygltf::Model& model,
                                    Accessors& accessors, int mesh_index, std::size_t primitive,
-                                   const Deformation& deformation) {
+                                   const Deformation& deformation,
+                                   std::optional<std::vector<std::uint32_t>> decoded) {
   const tinygltf::Mesh& source_mesh = model.meshes[static_cast<std::size_t>(mesh_index)];
   const tinygltf::Primitive& source = source_mesh.primitives[primitive];
   const std::string pointer = fmt::format("/meshes/{}/primitives/{}", mesh_index, primitive);
   const std::string place = document.where(pointer);
   Notes& notes = document.notes();
+  // A strip, too, is compressed as a list.
+  const int mode = source.mode < 0 || decoded ? TINYGLTF_MODE_TRIANGLES : source.mode;
 
-  const int mode = source.mode < 0 ? TINYGLTF_MODE_TRIANGLES : source.mode;
-  if (std::string(mode_name(mode)) != "triangles") {
-    notes.warn(place,
-               fmt::format("{} {} are not rendered",
-                           element_count(mode, corner_count(accessors, source)), mode_name(mode)));
-    return std::nullopt;
-  }
-  const auto position_accessor = source.attributes.find("POSITION");
-  if (position_accessor == source.attributes.end()) {
-    notes.warn(place, "no POSITION; not rendered");
-    return std::nullopt;
-  }
-  for (const int used : {position_accessor->second, source.indices}) {
+  const int positions = source.attributes.at("POSITION");
+  for (const int used : {positions, decoded ? -1 : source.indices}) {
     if (used < 0 || accessors.count(used) > 0) continue;
     document.fault(fmt::format("/accessors/{}/count", used), "0", "at least 1",
                    pointer + " is not rendered");
     return std::nullopt;
   }
-  const Corners corners = read_corners(document, accessors, source,
-                                       accessors.count(position_accessor->second), pointer);
+  const Corners corners = read_corners(document, accessors, source, std::move(decoded),
+                                       accessors.count(positions), pointer);
 
   Mesh mesh;
   mesh.name = source_mesh.name.empty() ? fmt::format("mesh {}", mesh_index) : source_mesh.name;
@@ -283,6 +282,33 @@ std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& mo
     return std::nullopt;
   }
   return mesh;
+}
+
+}  // namespace
+
+std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& model,
+                                   Accessors& accessors, int mesh, std::size_t primitive,
+                                   const Deformation& deformation) {
+  const tinygltf::Primitive& source =
+      model.meshes[static_cast<std::size_t>(mesh)].primitives[primitive];
+  const std::string place =
+      document.where(fmt::format("/meshes/{}/primitives/{}", mesh, primitive));
+  const int mode = source.mode < 0 ? TINYGLTF_MODE_TRIANGLES : source.mode;
+  if (std::string(mode_name(mode)) != "triangles") {
+    document.notes().warn(
+        place, fmt::format("{} {} are not rendered",
+                           element_count(mode, corner_count(accessors, source)), mode_name(mode)));
+    return std::nullopt;
+  }
+  if (!source.attributes.contains("POSITION")) {
+    document.notes().warn(place, "no POSITION; not rendered");
+    return std::nullopt;
+  }
+  auto decoded = decode_primitive(document, model, accessors, mesh, primitive);
+  auto result =
+      read_triangles(document, model, accessors, mesh, primitive, deformation, std::move(decoded));
+  accessors.forget_supplied();  // It was this primitive's alone.
+  return result;
 }
 
 }  // namespace abbe::gltf

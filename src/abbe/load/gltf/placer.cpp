@@ -24,7 +24,7 @@ namespace abbe::gltf {
 void Placer::place(const PlacedNode& node) {
   const tinygltf::Node& source = model_.nodes[static_cast<std::size_t>(node.index)];
   const std::string pointer = fmt::format("/nodes/{}", node.index);
-  if (source.mesh >= 0) place_mesh(node, pointer);
+  if (source.mesh >= 0 && node.is_visible) place_mesh(node, pointer);
   if (source.camera >= 0) {
     Camera camera = read_camera(document_, source.camera);
     if (camera.name.empty()) camera.name = node.name;
@@ -32,7 +32,8 @@ void Placer::place(const PlacedNode& node) {
     scene_.cameras.push_back(std::move(camera));
   }
   const Json& json = document_.json()["nodes"][static_cast<std::size_t>(node.index)];
-  if (const Json* extension = find_extension(json, "KHR_lights_punctual")) {
+  const Json* extension = find_extension(json, "KHR_lights_punctual");
+  if (extension != nullptr && node.is_visible) {
     Light light = read_light(document_, (*extension)["light"].get<int>(), spectra_);
     if (light.name.empty()) light.name = node.name;
     light.to_world = rigid(node.to_world);

@@ -7,6 +7,7 @@
 #include "abbe/base/error.h"
 #include "abbe/load/gltf/document/check.h"
 #include "abbe/load/gltf/document/components.h"
+#include "abbe/load/gltf/document/compressed.h"
 
 namespace abbe::gltf {
 
@@ -38,16 +39,50 @@ Bytes Accessors::buffer(int index) {
   return *known;
 }
 
-Bytes Accessors::view(int buffer_view, const std::string& user) {
-  const tinygltf::BufferView& view = model_.bufferViews[at(buffer_view)];
-  const Bytes bytes = buffer(view.buffer);
-  if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset) {
-    throw_input_error(
-        document_.where(fmt::format("/bufferViews/{}", buffer_view)),
-        fmt::format("{} bytes from byte {} (used by {})", view.byteLength, view.byteOffset, user),
-        fmt::format("a part of the {} bytes of buffer {}", bytes.size(), view.buffer));
+Bytes Accessors::part(int index, std::uint64_t offset, std::uint64_t length,
+                      const std::string& pointer, const std::string& user) {
+  const Bytes bytes = buffer(index);
+  if (offset > bytes.size() || length > bytes.size() - offset) {
+    throw_input_error(document_.where(pointer),
+                      fmt::format("{} bytes from byte {} (used by {})", length, offset, user),
+                      fmt::format("a part of the {} bytes of buffer {}", bytes.size(), index));
   }
-  return bytes.subspan(view.byteOffset, view.byteLength);
+  return bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+}
+
+Bytes Accessors::view(int buffer_view, const std::string& user) {
+  const auto known = decompressed_.find(buffer_view);
+  if (known != decompressed_.end()) return known->second;
+  const std::string pointer = fmt::format("/bufferViews/{}", buffer_view);
+  const auto compressed = compressed_view(document_, buffer_view);
+  if (!compressed) {
+    const tinygltf::BufferView& view = model_.bufferViews[at(buffer_view)];
+    return part(view.buffer, view.byteOffset, view.byteLength, pointer, user);
+  }
+  const std::string place = pointer + "/extensions/EXT_meshopt_compression";
+  const Bytes bytes = part(compressed->buffer, compressed->offset, compressed->length, place, user);
+  std::vector<std::uint8_t> values =
+      decode_meshopt(bytes, compressed->array, document_.where(place));
+  count_decompressed(values.size(), place);
+  return decompressed_.emplace(buffer_view, std::move(values)).first->second;
+}
+
+void Accessors::count_decompressed(std::size_t bytes, const std::string& user) {
+  // Compressed data may be shared, too: a small file must not fill the memory.
+  constexpr std::uint64_t kFree = std::uint64_t{1} << 24;
+  constexpr std::uint64_t kPerByte = 64;
+  const std::uint64_t allowed = kFree + kPerByte * document_.bytes_read();
+  decompressed_bytes_ += bytes;
+  if (decompressed_bytes_ > allowed) {
+    throw_input_error(document_.where(user),
+                      fmt::format("more than {} bytes decompressed from files of {} bytes", allowed,
+                                  document_.bytes_read()),
+                      "a scene in proportion to its files");
+  }
+}
+
+void Accessors::supply(int accessor, std::size_t count, std::vector<std::uint8_t> elements) {
+  supplied_.insert_or_assign(accessor, Supplied{count, std::move(elements)});
 }
 
 void Accessors::spend(std::size_t elements, const std::string& user) {
@@ -55,7 +90,7 @@ void Accessors::spend(std::size_t elements, const std::string& user) {
   // a few lines must not fill the memory.
   constexpr std::uint64_t kFree = std::uint64_t{1} << 22;
   constexpr std::uint64_t kPerByte = 8;
-  const std::uint64_t allowed = kFree + kPerByte * document_.bytes_read();
+  const std::uint64_t allowed = kFree + kPerByte * document_.bytes_read() + decompressed_bytes_;
   spent_ += elements;
   if (spent_ > allowed) {
     throw_input_error(document_.where(user),
@@ -80,6 +115,13 @@ Accessors::Run Accessors::run_of(int accessor) {
           tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)),
           a.normalized};
   const std::size_t element = size * static_cast<std::size_t>(run.components);
+  const auto supplied = supplied_.find(accessor);
+  if (supplied != supplied_.end()) {
+    run.data = supplied->second.elements.data();
+    run.count = supplied->second.count;
+    run.stride = element;
+    return run;
+  }
   if (a.count == 0) return run;
   if (a.bufferView < 0) {
     // Zeros cost nothing in the file, so the file does not bound their number.
@@ -218,7 +260,7 @@ std::vector<glm::vec<N, float>> Accessors::read(int accessor, const Selection& s
       for (int c = 0; c < run.components; ++c) element[c] = 0.0f;
     }
   }
-  if (model_.accessors[at(accessor)].sparse.isSparse) {
+  if (model_.accessors[at(accessor)].sparse.isSparse && !supplied_.contains(accessor)) {
     apply_sparse<N>(accessor, selected, fill, elements);
   }
   return elements;

@@ -4,6 +4,7 @@
 #include <tiny_gltf.h>
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,9 +50,20 @@ class Accessors {
   /// The largest value of its unsigned component type.
   std::uint32_t largest_index(int accessor) const;
 
-  std::size_t count(int accessor) const { return model_.accessors[at(accessor)].count; }
+  std::size_t count(int accessor) const {
+    const auto found = supplied_.find(accessor);
+    return found == supplied_.end() ? model_.accessors[at(accessor)].count : found->second.count;
+  }
 
-  /// The bytes of a buffer view (for images).
+  /// Lets dense elements of an accessor's type stand for its own, until forget_supplied().
+  void supply(int accessor, std::size_t count, std::vector<std::uint8_t> elements);
+  void forget_supplied() { supplied_.clear(); }
+
+  /// Counts bytes decompressed against what files of this size may unfold into.
+  /// Errors: input Error when a small file claims to hold enormous arrays.
+  void count_decompressed(std::size_t bytes, const std::string& user);
+
+  /// The bytes of a buffer view, decompressed where need be; they live as long as this.
   Bytes view(int buffer_view, const std::string& user);
 
   /// Counts elements taken into the scene against what a file of this size may unfold into.
@@ -69,8 +81,15 @@ class Accessors {
     bool normalized = false;
   };
 
+  struct Supplied {
+    std::size_t count = 0;
+    std::vector<std::uint8_t> elements;
+  };
+
   static std::size_t at(int index) { return static_cast<std::size_t>(index); }
   Bytes buffer(int index);
+  Bytes part(int buffer, std::uint64_t offset, std::uint64_t length, const std::string& pointer,
+             const std::string& user);
   Run run_of(int accessor);
   void check(int accessor, const std::string& user, std::initializer_list<int> types,
              Components allowed) const;
@@ -88,6 +107,9 @@ class Accessors {
   Document& document_;
   const tinygltf::Model& model_;
   std::vector<std::optional<Bytes>> buffers_;
+  std::map<int, std::vector<std::uint8_t>> decompressed_;
+  std::uint64_t decompressed_bytes_ = 0;
+  std::map<int, Supplied> supplied_;
   std::uint64_t spent_ = 0;
 };
 

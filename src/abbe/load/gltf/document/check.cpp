@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "abbe/base/error.h"
+#include "abbe/load/gltf/codec/draco.h"
+#include "abbe/load/gltf/codec/meshopt.h"
 #include "abbe/load/gltf/document/rules.h"
 
 namespace abbe::gltf {
@@ -191,6 +193,7 @@ constexpr std::array kUnderstood = {
     "ABBE_material",
     "ABBE_scene",
     "ABBE_shape",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -207,8 +210,10 @@ constexpr std::array kUnderstood = {
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
 };
 
@@ -257,6 +262,17 @@ void warn_of_misplaced(const Json& json, const std::string& pointer, const std::
       warn_of_misplaced(value, pointer + "/" + name, pattern + "/" + name, document);
     }
   }
+}
+
+// Extensions that this build may lack a library for, and what then stands for a known one.
+const char* missing_library(const std::string& name) {
+  if (name == "KHR_draco_mesh_compression" && !has_draco()) {
+    return "a build of abbe with Draco (Debian: libdraco-dev)";
+  }
+  if (name == "EXT_meshopt_compression" && !has_meshopt()) {
+    return "a build of abbe with meshoptimizer (Debian: libmeshoptimizer-dev)";
+  }
+  return nullptr;
 }
 
 bool is_understood(const std::string& name) {
@@ -326,6 +342,11 @@ void check_extensions(Document& document) {
   if (required != nullptr) {
     for (std::size_t i = 0; i < required->size(); ++i) {
       const auto name = (*required)[i].get<std::string>();
+      const char* const missing = missing_library(name);
+      if (missing != nullptr) {
+        throw_input_error(document.where(fmt::format("/extensionsRequired/{}", i)),
+                          "the required extension " + name, missing);
+      }
       if (is_understood(name)) continue;
       if (is_optional(name)) {
         document.fault(fmt::format("/extensionsRequired/{}", i), "the required extension " + name,

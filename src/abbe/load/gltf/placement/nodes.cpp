@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "abbe/base/error.h"
+#include "abbe/load/gltf/document/check.h"
 #include "abbe/load/gltf/placement/transform.h"
 
 namespace abbe::gltf {
@@ -25,6 +26,13 @@ std::vector<int> parents_of(const tinygltf::Model& model) {
     for (const int child : model.nodes[i].children) parents[at(child)] = static_cast<int>(i);
   }
   return parents;
+}
+
+// What KHR_node_visibility says of a node itself.
+bool shows(const Document& document, int node) {
+  const Json* extension = find_extension(document.json()["nodes"][at(node)], "KHR_node_visibility");
+  const Json* visible = find(extension, "visible");
+  return visible == nullptr || visible->get<bool>();
 }
 
 Mat4d from_matrix(const std::vector<double>& m, const std::string& where, Notes& notes) {
@@ -174,12 +182,14 @@ std::vector<PlacedNode> Places::place(const std::vector<int>& roots) {
   struct Pending {
     int index;
     Mat4d parent_to_world;
+    bool is_visible;
   };
   std::vector<Pending> stack;
   for (auto root = roots.rbegin(); root != roots.rend(); ++root) {
-    stack.push_back({*root, Mat4d(1.0)});
+    stack.push_back({*root, Mat4d(1.0), true});
   }
   std::vector<PlacedNode> placed;
+  std::size_t hidden = 0;
   while (!stack.empty()) {
     const Pending pending = stack.back();
     stack.pop_back();
@@ -190,12 +200,19 @@ std::vector<PlacedNode> Places::place(const std::vector<int>& roots) {
                         "a transform beyond the range of numbers", "finite transforms");
     }
     worlds_[at(pending.index)] = to_world;
+    const bool is_visible = pending.is_visible && shows(document_, pending.index);
+    hidden += is_visible ? 0 : 1;
     placed.push_back({pending.index,
                       node.name.empty() ? fmt::format("node {}", pending.index) : node.name,
-                      to_world});
+                      to_world, is_visible});
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
-      stack.push_back({*child, to_world});
+      stack.push_back({*child, to_world, is_visible});
     }
+  }
+  if (hidden > 0) {
+    document_.notes().info(document_.file_name(),
+                           fmt::format("{} {} hidden by KHR_node_visibility", hidden,
+                                       hidden == 1 ? "node is" : "nodes are"));
   }
   return placed;
 }

@@ -18,6 +18,7 @@ struct PlacedNode {
   int index = 0;
   std::string name;  ///< Its own, or "node 3".
   Mat4d to_world{1.0};
+  bool is_visible = true;  ///< Itself and all above it: KHR_node_visibility.
 };
 
 /// Checks that the nodes are a forest: one parent each, no cycles.

@@ -2,11 +2,18 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <random>
+#include <string>
 
+#include "abbe/base/constants.h"
 #include "abbe/image/exr/exr.h"
+#include "abbe/load/cube_map.h"
 #include "abbe/load/environment.h"
+#include "image/png_bytes.h"
 #include "load/gltf_builder.h"
 
 namespace abbe {
@@ -181,6 +188,140 @@ TEST_F(GltfEnvironment, emission_lights_where_a_file_has_no_lamps) {
   EXPECT_TRUE(load().emissive_light);  // None stands in the scene.
   node()["extensions"]["KHR_lights_punctual"]["light"] = 0;
   EXPECT_FALSE(load().emissive_light);
+}
+
+// By the definition of EnvironmentImage: +Y at the top, +X in the middle, -Z a quarter from the
+// left.
+Vec3f seen(const EnvironmentImage& image, const Vec3d& direction) {
+  const Vec3d d = glm::normalize(direction);
+  const double u = 0.5 + std::atan2(d.z, d.x) / (2.0 * kPi), v = std::acos(d.y) / kPi;
+  const auto x = std::min(static_cast<int>(u * image.width), image.width - 1);
+  const auto y = std::min(static_cast<int>(v * image.height), image.height - 1);
+  return image.rgb_rec709[static_cast<std::size_t>(y * image.width + x)];
+}
+
+const std::array<Vec3d, 6> kAxes{
+    {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
+
+TEST(CubeMap, faces_are_seen_from_inside_along_their_axes) {
+  CubeMap cube{8, {}};
+  for (std::size_t f = 0; f < 6; ++f) {
+    cube.faces[f].assign(64, Vec3f(static_cast<float>(f)));
+    cube.faces[f][7] = Vec3f(10.0f + static_cast<float>(f));  // At the top right.
+  }
+  const EnvironmentImage image = equirectangular(cube, Mat3d(1.0));
+  EXPECT_EQ(image.width, 32);
+  EXPECT_EQ(image.height, 16);
+  // Where the top of each image is; right is then ahead x up.
+  const std::array<Vec3d, 6> up{
+      {{0, 1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}, {0, 1, 0}, {0, 1, 0}}};
+  for (std::size_t f = 0; f < 6; ++f) {
+    EXPECT_EQ(seen(image, kAxes[f] + Vec3d(1e-3)).x, static_cast<float>(f));
+    const Vec3d right = glm::cross(kAxes[f], up[f]);
+    const Vec3d corner = kAxes[f] + 0.875 * (right + up[f]);
+    EXPECT_EQ(texel_along(cube, corner).x, 10.0f + static_cast<float>(f));
+  }
+}
+
+TEST(CubeMap, light_of_all_directions_stays_what_it_was) {
+  CubeMap cube{8, {}};
+  std::mt19937 chance(1);
+  double on_faces = 0.0;
+  for (auto& face : cube.faces) {
+    for (int t = 0; t < 64; ++t) {
+      face.emplace_back(static_cast<float>(chance() % 1000));
+      // The solid angle of a small square on the cube at x, y beside the middle: A / r^3.
+      const double x = (t % 8 + 0.5) / 4.0 - 1.0, y = (t / 8 + 0.5) / 4.0 - 1.0;
+      on_faces += face.back().x / 16.0 / std::pow(1.0 + x * x + y * y, 1.5);
+    }
+  }
+  const EnvironmentImage image = equirectangular(cube, Mat3d(1.0));
+  double around = 0.0;
+  for (std::size_t i = 0; i < image.rgb_rec709.size(); ++i) {
+    const double row = static_cast<double>(i / static_cast<std::size_t>(image.width));
+    const double area =
+        2.0 * kPi / image.width *
+        (std::cos(kPi * row / image.height) - std::cos(kPi * (row + 1.0) / image.height));
+    around += area * image.rgb_rec709[i].x;
+  }
+  // Sixteen directions a texel, the mid-point rule on the cube: each a few thousandths off.
+  EXPECT_NEAR(around / on_faces, 1.0, 5e-3);
+}
+
+class ImageBasedLight : public GltfTest {
+ protected:
+  ImageBasedLight() { use_faces(51); }
+
+  // Faces of one colour: the n-th has the code 40 n in red and, as RGBD, this divisor.
+  void use_faces(std::uint8_t alpha) {
+    document["images"] = Json::array();
+    document["extensionsUsed"] = {"EXT_lights_image_based"};
+    for (int f = 0; f < 6; ++f) {
+      const auto red = static_cast<std::uint8_t>(40 * f);
+      PngBytes row;
+      for (int x = 0; x < 4; ++x) row.insert(row.end(), {red, 0, 255, alpha});
+      const PngBytes bytes = png_bytes(4, 4, 8, PngRgba, {row, row, row, row});
+      const std::string name = "face" + std::to_string(f) + ".png";
+      write(name, {bytes.begin(), bytes.end()});
+      document["images"].push_back({{"uri", name}});
+    }
+    light() = {{"intensity", 3.0},
+               {"name", "dusk"},
+               {"specularImages", {{0, 1, 2, 3, 4, 5}}},
+               {"specularImageSize", 4},
+               {"irradianceCoefficients", Json::array()}};
+    document["scenes"][0]["extensions"]["EXT_lights_image_based"] = {{"light", 0}};
+  }
+  Json& light() { return document["extensions"]["EXT_lights_image_based"]["lights"][0]; }
+};
+
+TEST_F(ImageBasedLight, faces_are_luminances_around_the_scene) {
+  const Scene scene = load();
+  ASSERT_TRUE(scene.environment);
+  EXPECT_EQ(scene.environment->name, "EXT_lights_image_based \"dusk\"");
+  EXPECT_EQ(scene.environment->scale, 3.0);
+  EXPECT_THAT(notes_text(), HasSubstr("six faces of 4x4 RGBD pixels"));
+  const EnvironmentImage& image = scene.environment->image;
+  for (std::size_t f = 0; f < 6; ++f) {
+    const Vec3f found = seen(image, kAxes[f] + Vec3d(0.1));
+    const float red = static_cast<float>(40 * f) / 255.0f;
+    EXPECT_NEAR(found.x, 5.0f * std::pow(red, 2.2f), 1e-5f);  // A few roundings.
+    EXPECT_NEAR(found.z, 5.0f, 1e-5f);
+  }
+}
+
+TEST_F(ImageBasedLight, rotation_turns_it_and_opaque_images_are_srgb) {
+  use_faces(255);
+  const double h = std::sqrt(0.5);
+  light()["rotation"] = {0, h, 0, h};  // 90 degrees about +Y: +Z comes to be at +X.
+  const Scene scene = load();
+  EXPECT_THAT(notes_text(), HasSubstr("4x4 sRGB pixels"));
+  const EnvironmentImage& image = scene.environment->image;
+  const std::array<std::size_t, 6> shown{4, 5, 2, 3, 1, 0};
+  for (std::size_t f = 0; f < 6; ++f) {
+    const double code = 40.0 * static_cast<double>(shown[f]) / 255.0;
+    const double red = code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
+    EXPECT_NEAR(seen(image, kAxes[f] + Vec3d(0.1)).x, red, 1e-5);
+  }
+}
+
+TEST_F(ImageBasedLight, what_is_wrong_is_said_at_its_place) {
+  const Json good = document;
+  light()["specularImages"] = {{0, 1, 2}};
+  EXPECT_THAT(error(), HasSubstr("specularImages/0: found an array of 3"));
+  document = good;
+  light()["specularImages"][0][3] = 9;
+  EXPECT_THAT(error(), HasSubstr("specularImages/0/3"));
+  document = good;
+  light()["rotation"] = {0, 0, 0, 0};
+  EXPECT_THAT(error(), HasSubstr("a quaternion of length 0"));
+  document = good;
+  document["scenes"][0]["extensions"]["EXT_lights_image_based"]["light"] = 1;
+  EXPECT_THAT(error(), HasSubstr("/scenes/0/extensions/EXT_lights_image_based/light"));
+  document = good;
+  document["images"][2]["uri"] = "gone.png";
+  EXPECT_FALSE(load().environment);
+  EXPECT_THAT(notes_text(), HasSubstr("the environment /extensions/EXT_lights_image_based"));
 }
 
 }  // namespace

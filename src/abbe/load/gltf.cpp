@@ -20,6 +20,7 @@
 #include "abbe/load/gltf/placement/nodes.h"
 #include "abbe/load/gltf/placer.h"
 #include "abbe/load/gltf/spectra.h"
+#include "abbe/load/gltf/surroundings/image_based.h"
 #include "abbe/load/gltf/textures.h"
 #include "abbe/load/gltf/variants.h"
 #include "abbe/scene/colors.h"
@@ -135,6 +136,7 @@ Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
     scene.name = source.name;
     roots = gltf::scene_roots(document, model, *chosen);
     gltf::apply_abbe_scene(document, *chosen, spectra, scene);
+    gltf::apply_image_based_light(document, accessors, *chosen, scene);
   } else {
     roots = gltf::parentless_nodes(model);
     notes.info(document.file_name(), "the file has no scene; all its nodes are taken");

@@ -9,6 +9,7 @@
 #include "abbe/base/error.h"
 #include "abbe/image/raster/raster.h"
 #include "abbe/load/gltf/document/check.h"
+#include "abbe/load/gltf/document/images.h"
 
 namespace abbe::gltf {
 namespace {
@@ -27,29 +28,6 @@ void apply_transform(const Fields& transform, TextureUse& use) {
   use.uv_linear = {static_cast<float>(c * scale[0]), static_cast<float>(s * scale[1]),
                    static_cast<float>(-s * scale[0]), static_cast<float>(c * scale[1])};
   use.uv_offset = Vec2f(static_cast<float>(offset[0]), static_cast<float>(offset[1]));
-}
-
-// The media type of a data: URI, or nothing.
-std::string data_label(const std::string& uri) {
-  if (uri.rfind("data:", 0) != 0) return "";
-  return uri.substr(5, uri.find_first_of(";,") - 5);
-}
-
-bool is_webp(Bytes bytes) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  return text.starts_with("RIFF") &&
-         text.substr(std::min<std::size_t>(8, text.size())).starts_with("WEBP");
-}
-
-void warn_of_label(Document& document, Bytes bytes, const std::string& label,
-                   const std::string& pointer) {
-  const bool is_png = bytes.size() > 1 && bytes[0] == 0x89 && bytes[1] == 'P';
-  const bool is_jpeg = bytes.size() > 1 && bytes[0] == 0xff && bytes[1] == 0xd8;
-  if ((is_png && label == "image/jpeg") || (is_jpeg && label == "image/png")) {
-    document.notes().warn(
-        document.where(pointer),
-        std::string("labelled ") + label + ", but is a " + (is_png ? "PNG" : "JPEG") + " image");
-  }
 }
 
 }  // namespace
@@ -150,30 +128,9 @@ std::optional<std::uint32_t> Textures::image(int index, const std::string& user)
   if (known != images_.end()) return known->second;
 
   const std::string pointer = fmt::format("/images/{}", index);
-  const Json& source = document_.json()["images"][static_cast<std::size_t>(index)];
-  const Json* uri = find(&source, "uri");
-  const Json* view = find(&source, "bufferView");
-  if (uri == nullptr && view == nullptr) {
-    throw_input_error(document_.where(pointer), "neither uri nor bufferView", "one of them");
-  }
-  if (uri != nullptr && !document_.has_uri(uri->get_ref<const std::string&>(), pointer)) {
-    document_.fault(pointer + "/uri", "no file " + describe(*uri), "an existing file",
-                    "the texture used by " + user + " is ignored");
-    return images_.emplace(index, std::nullopt).first->second;
-  }
-  const Bytes bytes = uri != nullptr
-                          ? document_.read_uri(uri->get_ref<const std::string&>(), pointer + "/uri")
-                          : accessors_.view(view->get<int>(), pointer);
-  const Json* mime = find(&source, "mimeType");
-  warn_of_label(document_, bytes,
-                mime != nullptr  ? mime->get<std::string>()
-                : uri != nullptr ? data_label(uri->get_ref<const std::string&>())
-                                 : "",
-                pointer);
-  if (is_webp(bytes) && !uses_extension(document_, "EXT_texture_webp")) {
-    document_.fault(pointer, "a WebP image", "PNG or JPEG, or EXT_texture_webp",
-                    "it is read all the same");
-  }
+  const auto found = image_bytes(document_, accessors_, index, "the texture used by " + user);
+  if (!found) return images_.emplace(index, std::nullopt).first->second;
+  const Bytes bytes = *found;
   // Images that share their bytes share their pixels: a small file must not fill the memory.
   const auto same = decoded_.find(bytes.data());
   if (same != decoded_.end()) {
@@ -187,6 +144,7 @@ std::optional<std::uint32_t> Textures::image(int index, const std::string& user)
     throw_input_error(document_.where(pointer), fmt::format("{} pixels in all images", pixels_),
                       fmt::format("at most {}", kMaxPixels));
   }
+  const Json& source = document_.json()["images"][static_cast<std::size_t>(index)];
   const Json* name = find(&source, "name");
   TextureImage image;
   image.name = name != nullptr ? name->get<std::string>() : fmt::format("image {}", index);

@@ -212,6 +212,7 @@ constexpr std::array kUnderstood = {
     "KHR_mesh_quantization",
     "KHR_node_visibility",
     "KHR_texture_transform",
+    "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -221,8 +222,7 @@ constexpr std::array kUnderstood = {
 // placement of everything is right without it.
 bool is_optional(const std::string& name) {
   return name.starts_with("KHR_materials_") || name == "KHR_xmp" || name == "KHR_xmp_json_ld" ||
-         name == "KHR_animation_pointer" || name == "EXT_lights_image_based" ||
-         name == "MSFT_lod" || name == "AGI_articulations";
+         name == "KHR_animation_pointer" || name == "MSFT_lod" || name == "AGI_articulations";
 }
 
 // What our own extensions belong to, as a pointer with * for a number.

@@ -52,6 +52,10 @@ const std::vector<Rule>& structure_rules() {
       object("/extensions"),
       object("/extensions/KHR_lights_punctual"),
       array_of(Is::Object, "/extensions/KHR_lights_punctual/lights"),
+      object("/extensions/EXT_lights_image_based"),
+      array_of(Is::Object, "/extensions/EXT_lights_image_based/lights", 0, kMaxElements, true),
+      array_of(Is::Array, "/extensions/EXT_lights_image_based/lights/*/specularImages", 1,
+               kMaxElements, true),
       object("/extensions/KHR_materials_variants"),
       array_of(Is::Object, "/extensions/KHR_materials_variants/variants", 0, kMaxElements, true),
       text("/extensions/KHR_materials_variants/variants/*/name", true),
@@ -97,6 +101,7 @@ const std::vector<Rule>& structure_rules() {
       text("/images/*/uri"),
       text("/images/*/mimeType"),
       index("/images/*/bufferView", "/bufferViews"),
+      index("/extensions/EXT_lights_image_based/lights/*/specularImages/*/*", "/images"),
       array_of(Is::Object, "/samplers"),
       integer("/samplers/*/magFilter", 0, 65535),
       integer("/samplers/*/minFilter", 0, 65535),
@@ -207,6 +212,8 @@ const std::vector<Rule>& structure_rules() {
       index("/scenes/*/nodes/*", "/nodes"),
       object("/scenes/*/extensions"),
       object("/scenes/*/extensions/*"),
+      index("/scenes/*/extensions/EXT_lights_image_based/light",
+            "/extensions/EXT_lights_image_based/lights", true),
       index("/scene", "/scenes"),
   });
   return kRules;

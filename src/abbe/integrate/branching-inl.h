@@ -15,6 +15,7 @@
 
 #include "abbe/integrate/fan.h"
 #include "abbe/integrate/integrator.h"
+#include "abbe/integrate/light/shared_light-inl.h"
 #include "abbe/integrate/lit_surface.h"
 #include "abbe/integrate/surface/point_lanes-inl.h"
 #include "abbe/math/random.h"
@@ -33,6 +34,7 @@ class Branching {
         settings_(settings),
         samples_(samples),
         stats_(stats),
+        shares_light_(shares_light(world)),
         stride_(world.lanes.lane_stride()) {}
 
   /// The share of light that a partly covering surface lets by goes straight on; what is left of
@@ -52,7 +54,7 @@ class Branching {
     if (ends_here(at.fan, weight)) return;
     add_child(at,
               {FanOrigin::Passed, 0, at.fan.spread, at.hit.lanes, at.fan.media, at.hit.direction,
-               passed, weight},
+               passed, weight, at.fan.shared},
               next);
   }
 
@@ -79,9 +81,15 @@ class Branching {
     for (std::size_t i = answer.lobe_count; i-- > 0;) {
       const Lobe& lobe = answer.lobes[i];
       if (!(weights[i] > 0.0f)) continue;
-      const Child child{lobe.made_by, lobe.order, fan.spread || lobe.spreads,
-                        at.hit.lanes, lobe.media, lobe.direction,
-                        arrived[i],   weights[i]};
+      Child child{lobe.made_by, lobe.order, fan.spread || lobe.spreads,
+                  at.hit.lanes, lobe.media, lobe.direction,
+                  arrived[i],   weights[i]};
+      if (lobe.is_straight) {
+        child.shared = at.fan.shared;
+      } else if (lobe.is_sampled && shares_light_) {
+        child.shared = lit_place(world_, at.hit, answer.rough_samples);
+        child.per_sr = &lobe.per_sr;
+      }
       if (child.spread && settings_.cluster_lanes > 0) {
         add_clusters(at, child, next);
       } else {
@@ -101,6 +109,9 @@ class Branching {
     const LaneArray3& direction;
     const LaneArray& throughput;
     float weight;
+    SharedRays shared{};  ///< But for what follows, and nothing of a lane.
+    const LaneArray* per_sr =
+        nullptr;  ///< Of a ray's own, where it begins to share; null: goes on.
   };
 
   // Whether the depth limit ends a fan that would have children of some weight.
@@ -182,7 +193,7 @@ class Branching {
       Splat(d, stride_, child.direction.get(middle), direction);
       add_child(at,
                 {child.made_by, child.order, false, cluster, child.media, direction, throughput,
-                 weight_of(throughput, set)},
+                 weight_of(throughput, set), child.shared, child.per_sr},
                 next);
     }
   }
@@ -208,7 +219,8 @@ class Branching {
     fan.common_origin = fan.spread && !parent.spread;
     fan.media = child.media;
     fan.parent_record = at.record_number;
-    fan.data = next.reserve_lanes(fan.spread, stride_);
+    fan.shared = child.shared;
+    fan.data = next.reserve_lanes(fan.spread, fan.shared.any(), stride_);
     float* out = next.pool.data() + fan.data;
     for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
       hn::StoreU(
@@ -226,8 +238,32 @@ class Branching {
       fan.origin =
           off_surface(at.hit.position.get(lane), at.hit.outward.get(lane), offset_m, fan.direction);
     }
+    if (fan.shared.any()) share_rays(at, child, fan, out + FanList::kSpreadArrays * stride_);
     count(child.made_by, fan.spread ? static_cast<std::uint64_t>(fan.lanes.count()) : 1);
     next.fans.push_back(fan);
+  }
+
+  // How likely the rays of a new fan were drawn, and how far they have come since.
+  void share_rays(const FanAtSurface& at, const Child& child, Fan& fan, float* of_lanes) const {
+    const auto density = [&](int lane) {
+      return child.per_sr != nullptr ? (*child.per_sr)[lane]
+                                     : at.list.per_sr(at.fan, lane, stride_);
+    };
+    const auto way_m = [&](int lane) {
+      return child.per_sr != nullptr
+                 ? 0.0f
+                 : at.list.way_m(at.fan, lane, stride_) + at.hit.distance_m[lane];
+    };
+    if (!fan.spread) {
+      fan.shared.per_sr = density(fan.lanes.front());
+      fan.shared.way_m = way_m(fan.lanes.front());
+      return;
+    }
+    for (int lane = 0; lane < stride_; ++lane) {
+      const bool member = fan.lanes.test(lane);
+      of_lanes[lane] = member ? density(lane) : 0.0f;
+      of_lanes[stride_ + lane] = member ? way_m(lane) : 0.0f;
+    }
   }
 
   // A ray per lane, as FanList has them; whether all of them go below the surface.
@@ -271,6 +307,7 @@ class Branching {
   const IntegratorSettings& settings_;
   std::span<const CameraSample> samples_;
   IntegratorStats& stats_;
+  const bool shares_light_;
   const int stride_;
 };
 

@@ -114,6 +114,7 @@ class FanHits {
     while (left.any()) {
       const int leader = left.front();
       SurfaceHit hit;
+      hit.primitives = hits.primitive;
       for (int m = 0; m < met_count_; ++m) {
         if (met_lanes_[m].test(leader)) hit.surface = met_surface_[m];
       }
@@ -140,6 +141,7 @@ class FanHits {
     hit.surface = point.surface;
     hit.front = glm::dot(fan.direction, point.normal) < 0.0f;
     hit.points = {&point, 1};
+    hit.primitives = {&met.primitive, 1};
     Splat(d, stride_, point.position, hit.position);
     Splat(d, stride_, fan.direction, hit.direction);
     Splat(d, stride_, point.normal, hit.outward);

@@ -10,6 +10,7 @@ namespace abbe {
 
 /// A fan's lanes at a surface: what the fans that it becomes, and light on its way to it, refer to.
 struct FanAtSurface {
+  const FanList& list;  ///< That the fan is of.
   const Fan& fan;
   const SurfaceHit& hit;
   float path_length_m = 0.0f;       ///< From the camera to here.

@@ -21,6 +21,7 @@
 #include "abbe/integrate/fog/fog_light-inl.h"
 #include "abbe/integrate/integrator.h"
 #include "abbe/integrate/light/direct_light-inl.h"
+#include "abbe/integrate/light/shared_light-inl.h"
 #include "abbe/integrate/recorder.h"
 #include "abbe/integrate/start_media.h"
 #include "abbe/integrate/surface/material_lanes-inl.h"
@@ -82,7 +83,7 @@ class Tracer {
     fan.lanes = LaneMask::first(world_.lanes.lane_count());
     fan.sample = sample;
     fan.media = start_media(world_, fan.origin, fan.direction);
-    fan.data = list.reserve_lanes(false, stride_);
+    fan.data = list.reserve_lanes(false, false, stride_);
     for (int lane = 0; lane < stride_; ++lane) {
       list.pool[fan.data + lane] = lane < world_.lanes.lane_count() ? 1.0f : 0.0f;
     }
@@ -151,12 +152,13 @@ class Tracer {
     }
     if (!met.is_hit()) {
       recorder_.miss(fan, list, fan.lanes);
-      see_environment(fan, fan.lanes, throughput, [&](int) { return fan.direction; });
+      see_environment(list, fan, fan.lanes, throughput, [&](int) { return fan.direction; });
       return;
     }
     const SurfacePoint point = surface_point(world_, fan.origin, fan.direction, met);
     if (fan.depth == 0 && !results_.first_hits.empty()) keep_first_hit(fan, point, met.t);
-    shade(fan, found_.united_hit(fan, met, point, batch.contact_of(number)), throughput, next);
+    shade(list, fan, found_.united_hit(fan, met, point, batch.contact_of(number)), throughput,
+          next);
   }
 
   void follow_spread(const FanList& list, const BatchHits& batch, std::size_t number,
@@ -170,15 +172,17 @@ class Tracer {
     const LaneMask missed = found_.missed(hits, fan.lanes);
     if (missed.any()) {
       recorder_.miss(fan, list, missed);
-      see_environment(fan, missed, throughput, [&](int lane) { return hits.direction.get(lane); });
+      see_environment(list, fan, missed, throughput,
+                      [&](int lane) { return hits.direction.get(lane); });
     }
     found_.for_each_group(hits, fan.lanes - missed, [&](const SurfaceHit& hit) {
-      shade(fan, hit, among(throughput, hit.lanes), next);
+      shade(list, fan, hit, among(throughput, hit.lanes), next);
     });
   }
 
   // Everything that a surface does to a group of lanes, of whose throughput this arrives.
-  void shade(const Fan& fan, const SurfaceHit& hit, const LaneArray& arriving, FanList& next) {
+  void shade(const FanList& list, const Fan& fan, const SurfaceHit& hit, const LaneArray& arriving,
+             FanList& next) {
     const D d;
     LaneArray throughput = arriving;
     const CameraSample& sample = samples_[fan.sample];
@@ -203,7 +207,7 @@ class Tracer {
       at.layers = &*layers;
     }
     absorb(fan, change, hit.distance_m, throughput);
-    const FanAtSurface where{fan, hit, path_length_m, recorder_.arrive(fan, hit, throughput)};
+    const FanAtSurface where{list, fan, hit, path_length_m, recorder_.arrive(fan, hit, throughput)};
     if (material.alpha_mode != AlphaMode::Opaque) {
       branching_.pass_by(where, at.alpha, throughput, next);
     }
@@ -216,7 +220,13 @@ class Tracer {
       layers->coat_chance = CoatChance(hit, answer, *layers, rough);
       dim_emission(*layers, at.emission);
     }
-    add_local_light(fan, material, at.emission, answer, layers ? layers->ambient : answer.diffuse,
+    LaneArray emission = at.emission;
+    if (fan.shared.any() && world_.emitters && material.lights_others) {
+      LaneArray share;
+      shares_of_rays(world_, list, fan, hit, stride_, share);
+      multiply(share, emission);
+    }
+    add_local_light(fan, material, emission, answer, layers ? layers->ambient : answer.diffuse,
                     throughput, hidden);
     if (wants_albedo) keep_albedo(fan, at.base_color);
     if (material.unlit) return;
@@ -232,16 +242,17 @@ class Tracer {
     const bool coherent = !rough || at.metallic[leader] > 0.0f || at.transmission[leader] > 0.0f ||
                           coated || world_.shines_all_around;
     const bool has_rough_coat = layers && layers->coat_is_rough;
+    const bool goes_on = fan.depth < settings_.max_depth;
     const ShadedSurface shaded{hit,
                                at,
                                rows,
                                answer,
                                rough,
                                has_rough_coat,
-                               has_rough_coat || (rough && coherent),
-                               rebound ? &*rebound : nullptr};
-    if (rough || scatters(answer.diffuse) || (layers && scatters(layers->ambient)) ||
-        has_rough_coat) {
+                               (has_rough_coat || (rough && coherent)) && goes_on,
+                               rebound ? &*rebound : nullptr,
+                               scatters(answer.diffuse) || (layers && scatters(layers->ambient))};
+    if (rough || shaded.has_broad_lobe || has_rough_coat) {
       lamps_.send({where, shaded, throughput});
     }
     if (!coherent) return;
@@ -277,10 +288,18 @@ class Tracer {
       sampled->media = change.before;
     }
     sampled->is_sampled = true;
+    sampled->is_straight = false;
     if (surface.rebound != nullptr || layers != nullptr) {
       ChooseRay(d, stride_, surface, fan.spread, chance_of(fan, Purpose::Rebound),
                 random_1d(samples_[fan.sample].chance, fan.path, Purpose::Layer),
                 chance_of(fan, Purpose::Microfacet, 1), *sampled);
+    }
+    if (shares_light(world_)) {
+      answer.rough_samples = light_samples_at(fan, surface).rough;
+      for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+        hn::Store(SampledDensity(d, surface, i, Load3(d, sampled->direction, i)), d,
+                  sampled->per_sr.v + i);
+      }
     }
     return answer;
   }
@@ -308,8 +327,8 @@ class Tracer {
 
   // Light from all around, met by lanes that met nothing else: as it is outside of all bodies.
   template <class DirectionOf>
-  void see_environment(const Fan& fan, const LaneMask& lanes, const LaneArray& throughput,
-                       const DirectionOf& direction_of) {
+  void see_environment(const FanList& list, const Fan& fan, const LaneMask& lanes,
+                       const LaneArray& throughput, const DirectionOf& direction_of) {
     if (!world_.environment) return;
     const bool is_background = fan.first_turn == FanOrigin::Camera;
     if (is_background && !world_.environment->is_visible()) return;
@@ -318,16 +337,21 @@ class Tracer {
     float* emitted_part = part(fan, LightPart::Emitted);
     LaneArray light;
     Vec3f last(0.0f);
+    float per_sr = 0.0f;
     bool any = false;
     for (int lane = 0; lane < world_.lanes.lane_count(); ++lane) {
       if (!lanes.test(lane)) continue;
       const Vec3f direction = direction_of(lane);
       if (!any || direction != last) {
         world_.environment->radiance(world_.lanes, world_.rows, set, direction, light.v);
+        if (fan.shared.any()) per_sr = world_.environment->density(direction);
         last = direction;
         any = true;
       }
-      const float arrived = throughput[lane] * light[lane];
+      float arrived = throughput[lane] * light[lane];
+      if (fan.shared.any()) {
+        arrived *= share_of_ray(fan.shared, list.per_sr(fan, lane, stride_), per_sr);
+      }
       sum[lane] += arrived;
       if (emitted_part != nullptr) emitted_part[lane] += arrived;
     }

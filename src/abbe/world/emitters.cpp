@@ -17,6 +17,9 @@ namespace {
 // Of luminance, what a texture may hide between the places where it is looked at.
 constexpr float kUnseen = 0.05f;
 
+// Of a piece without power.
+constexpr std::uint32_t kNoLeaf = 0xffffffffu;
+
 float luminance_of(const World& world, const SurfaceMaterial& material) {
   const float* row = world.row(*material.emission, 0);
   float luminance = 0.0f;
@@ -158,7 +161,7 @@ void WorldEmitters::add_polyhedron(const World& world, const ConvexPolyhedron& p
 
 void WorldEmitters::build(const World& world) {
   std::vector<Leaf> leaves;
-  leaf_of_piece_.assign(pieces_.size(), 0);
+  leaf_of_piece_.assign(pieces_.size(), kNoLeaf);
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const Piece& piece = pieces_[i];
     const SurfaceMaterial& material =
@@ -407,7 +410,7 @@ float WorldEmitters::density(const Place& place, std::uint32_t primitive, const 
     }
   }
   const std::uint32_t leaf = leaf_of_piece_[static_cast<std::size_t>(found - pieces_.data())];
-  if (nodes_.empty() || nodes_[leaf].second != 0) return 0.0f;
+  if (leaf == kNoLeaf) return 0.0f;
   return chance_of_leaf(leaf, place) * density_on(*found, place.position, at);
 }
 

@@ -19,6 +19,7 @@
 #include "abbe/integrate/light/emitted-inl.h"
 #include "abbe/integrate/light/pixel.h"
 #include "abbe/integrate/light/reflected_light-inl.h"
+#include "abbe/integrate/light/shared_light-inl.h"
 #include "abbe/optics/absorption-inl.h"
 #include "abbe/world/light/lights-inl.h"
 
@@ -38,6 +39,7 @@ class DirectLight {
         samples_(samples),
         shadows_(shadows),
         misses_(misses),
+        rays_may_bend_((world.visibility_bits & passing_bits(AtGlass::Passes)) != 0),
         stride_(world.lanes.lane_stride()) {
     misses_.start(caustics_.point.chains.size());
   }
@@ -136,24 +138,15 @@ class DirectLight {
     }
   }
 
-  // A surface but for the lobes that have rays of their own.
-  static ShadedSurface without_rays(const ShadedSurface& all) {
-    return {all.hit, all.at, all.rows, all.answer};
-  }
-
-  // Light from all around that the surface scatters widely; what its lobes have rays for they meet
-  // themselves. Straight through all glass.
+  // Light from all around, straight through all glass.
   void send_environment(const LitSurface& surface, LightGeometry& to_light) {
     const D d;
     const Fan& fan = surface.where.fan;
     const SurfaceHit& hit = surface.where.hit;
     const CameraSample& sample = samples_[fan.sample];
-    const ShadedSurface broad = without_rays(surface.shaded);
-    const LitSurface lit{surface.where, broad, surface.throughput};
-    // What the camera sees is lit from more places, so that a pixel of few samples has little
-    // grain.
-    const std::uint32_t count = fan.depth == 0 ? kPlacesSeen : 1;
-    for (std::uint32_t number = 0; number < count; ++number) {
+    const LightSamples samples = light_samples_at(fan, surface.shaded);
+    LaneArray density;
+    for (std::uint32_t number = 0; number < samples.all; ++number) {
       const auto drawn = world_.environment->draw(
           random_2d(sample.chance, fan.path, Purpose::Environment, number));
       if (!drawn) return;
@@ -161,12 +154,10 @@ class DirectLight {
       Splat(d, stride_, kInfinity, to_light.distance_m);
       world_.environment->radiance(world_.lanes, world_.rows, sample.set, drawn->direction,
                                    to_light.irradiance.v);
-      const float share = 1.0f / (drawn->density * static_cast<float>(count));
-      for (int lane = 0; lane < stride_; ++lane) to_light.irradiance[lane] *= share;
-      ShadowJob job;
-      if (!begin_job(lit, to_light, job)) continue;
-      job.departure = departure_from(hit, job.lanes, to_light.direction);
-      shadows_.add(job, [&](int lane) { return shadow_ray(hit, to_light, lane); });
+      Splat(d, stride_, drawn->density, density);
+      for (int lane = 0; lane < stride_; ++lane) to_light.irradiance[lane] /= drawn->density;
+      send_shared(surface, to_light, density, samples, number,
+                  [&](int lane) { return shadow_ray(hit, to_light, lane); });
     }
   }
 
@@ -176,43 +167,81 @@ class DirectLight {
     const Fan& fan = surface.where.fan;
     const SurfaceHit& hit = surface.where.hit;
     const CameraSample& sample = samples_[fan.sample];
-    const ShadedSurface broad = without_rays(surface.shaded);
-    const LitSurface lit{surface.where, broad, surface.throughput};
-    WorldEmitters::Place place{.position = hit.position.get(hit.lanes.front())};
-    // What lets light through is lit from behind, too.
-    const auto& layers = material_of(world_, hit).layers;
-    if (!layers || !layers->through) {
-      const Vec3f outward = hit.outward.get(hit.lanes.front());
-      const bool is_front = glm::dot(hit.direction.get(hit.lanes.front()), outward) < 0.0f;
-      place.normal = is_front ? outward : -outward;
-    }
+    const LightSamples samples = light_samples_at(fan, surface.shaded);
+    const SharedRays lit = lit_place(world_, hit, samples.rough);
     const auto first_item = static_cast<std::uint32_t>(world_.lights.size()) * kPlacesSeen;
-    const std::uint32_t count = fan.depth == 0 ? kPlacesSeen : 1;
-    LaneArray radiance;
-    for (std::uint32_t number = 0; number < count; ++number) {
+    LaneArray radiance, density;
+    for (std::uint32_t number = 0; number < samples.all; ++number) {
       std::optional<WorldEmitters::Spot> spot = world_.emitters->draw(
-          place, random_2d(sample.chance, fan.path, Purpose::LightPoint, first_item + number));
+          {lit.place, lit.normal},
+          random_2d(sample.chance, fan.path, Purpose::LightPoint, first_item + number));
       if (!spot) continue;
       const float rounding_m = EmissionAt(d, world_, *spot, sample.set, radiance);
-      spot->per_m2 *= static_cast<float>(count);
-      LightFromSpot(*spot, stride_, radiance, hit.position, to_light);
+      DimByCoat(world_, *spot, hit.position, surface.shaded.rows.n_medium, radiance);
+      LightFromSpot(*spot, stride_, radiance, hit.position, to_light, &density);
       if (fog_per_m > 0.0f) {
         Attenuate(d, stride_, fog_per_m, to_light.distance_m, to_light.irradiance);
       }
-      ShadowJob job;
-      if (!begin_job(lit, to_light, job)) continue;
-      job.departure = departure_from(hit, job.lanes, to_light.direction);
-      shadows_.add(job, [&](int lane) {
+      send_shared(surface, to_light, density, samples, number, [&](int lane) {
         return ray_to_spot(*spot, rounding_m, origin_of(hit, to_light, lane));
       });
     }
   }
 
+  // Notes light that the rays of rough lobes may find as well. Where there is something that such
+  // rays do not pass straight, what those lobes send on is a job of its own, with the same shadow
+  // ray.
+  template <class RayOf>
+  void send_shared(const LitSurface& surface, const LightGeometry& to_light,
+                   const LaneArray& density, const LightSamples& samples, std::uint32_t number,
+                   const RayOf& ray_of) {
+    const D d;
+    const SurfaceHit& hit = surface.where.hit;
+    LaneArray broad, rough;
+    ReflectSharedLight(d, stride_, surface, to_light, density, samples, number, broad, rough);
+    ShadowJob job;
+    if (rays_may_bend_) {
+      ShadowJob unbent;
+      unbent.is_unbent = true;
+      const bool has_broad = note(surface, broad, job);
+      const bool has_rough = note(surface, rough, unbent);
+      if (has_broad && has_rough) job.lanes = unbent.lanes = job.lanes | unbent.lanes;
+      const auto start = [&](ShadowJob& first) {
+        first.departure = departure_from(hit, first.lanes, to_light.direction);
+        shadows_.add(first, ray_of);
+      };
+      if (has_broad) start(job);
+      if (has_broad && has_rough) {
+        unbent.departure = job.departure;
+        shadows_.add_beside(job, unbent);
+      } else if (has_rough) {
+        start(unbent);
+      }
+      return;
+    }
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      hn::Store(hn::Add(hn::Load(d, broad.v + i), hn::Load(d, rough.v + i)), d, broad.v + i);
+    }
+    if (!note(surface, broad, job)) return;
+    job.departure = departure_from(hit, job.lanes, to_light.direction);
+    shadows_.add(job, ray_of);
+  }
+
+  // Room for light that a surface sends on; false when no lane gets any.
+  bool note(const LitSurface& surface, const LaneArray& light, ShadowJob& job) {
+    std::copy_n(light.v, stride_, shadows_.reserve(job));
+    return complete(surface, job);
+  }
+
   // Room for the light of a lamp and what it adds; false when no lane gets any.
   bool begin_job(const LitSurface& surface, const LightGeometry& to_light, ShadowJob& job) {
-    const Fan& fan = surface.where.fan;
     float* contribution = shadows_.reserve(job);
     ReflectLight(D(), stride_, surface, to_light, contribution);
+    return complete(surface, job);
+  }
+
+  bool complete(const LitSurface& surface, ShadowJob& job) {
+    const Fan& fan = surface.where.fan;
     if (!shadows_.keep_lit(job, surface.where.hit.lanes)) return false;
     job.sample = fan.sample;
     job.record = surface.where.record_number;
@@ -346,6 +375,7 @@ class DirectLight {
   std::span<const CameraSample> samples_;
   ShadowQueue<D>& shadows_;
   KnownMisses& misses_;
+  const bool rays_may_bend_;
   const int stride_;
 };
 

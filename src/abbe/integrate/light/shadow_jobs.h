@@ -33,6 +33,7 @@ struct ShadowJob {
   Departure departure;  ///< From a surface with something nearby on the side of the light.
   FanOrigin first_turn = FanOrigin::Camera;
   bool spread = false;
+  bool is_unbent = false;  ///< Its light ends where the eye's rays would not go on straight.
   AtGlass at_glass = AtGlass::Passes;
   /// A part of a chain's path that only multiplies the visibility of another job, of this data.
   std::optional<std::uint32_t> gate_of;

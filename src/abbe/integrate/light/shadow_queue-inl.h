@@ -99,6 +99,12 @@ class ShadowQueue {
     b_.jobs.push_back(job);
   }
 
+  /// A job with the shadow rays of one that was added, for the same lanes.
+  void add_beside(const ShadowJob& other, ShadowJob& job) {
+    job.first_query = other.first_query;
+    b_.jobs.push_back(job);
+  }
+
   /// All shadow rays of the batch, and the light they let through, also by its parts where there is
   /// room for them.
   void resolve(std::span<float> light_parts) {

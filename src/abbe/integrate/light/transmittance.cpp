@@ -20,6 +20,7 @@ struct ShadowPath {
   LaneMask lanes;
   std::uint32_t visibility = 0;  ///< Offset in ShadowBuffers::data.
   int set = 0;
+  bool is_unbent = false;
   std::size_t flat_crossings = 0;  ///< Facets of glass that chains lead over.
 };
 
@@ -55,6 +56,18 @@ float left_by_layers(const SurfaceMaterial& material, const LayerSample& layers,
   return left;
 }
 
+// Whether the eye's rays go on straight behind a surface that is there: polished sheets.
+bool goes_straight(const World& world, const SurfaceMaterial& material,
+                   const MaterialSample& sample, const SurfacePoint& point,
+                   const MediumChange& change) {
+  if (change.is_boundary() || sample.roughness >= kSmoothRoughness) return false;
+  if (!material.layers || !material.layers->anisotropy) return true;
+  // As rough along one direction as makes no sheet polished.
+  const float along = layer_sample(world, material, point, 0.0f).anisotropy;
+  const float least = kSmoothRoughness * kSmoothRoughness;
+  return point.tangent == Vec3f(0.0f) || !(along * along * (1.0f - least) > 0.01f * least);
+}
+
 class ShadowTransmittance {
  public:
   ShadowTransmittance(const World& world, ShadowBuffers& buffers, const ShadowQueries& queries,
@@ -80,8 +93,8 @@ class ShadowTransmittance {
     if (!job.spread) {
       if (queries_.ray_occluded[job.first_query] != 0) return;
       if (job.media.empty() && passing_ == 0) return;
-      in_flight_.push_back(
-          {queries_.rays[job.first_query], job.departure, job.media, job.lanes, visibility, set});
+      in_flight_.push_back({queries_.rays[job.first_query], job.departure, job.media, job.lanes,
+                            visibility, set, job.is_unbent});
       return;
     }
     for_each_lane(job.lanes, world_.lanes.lane_count(), [&](int lane) {
@@ -98,6 +111,7 @@ class ShadowTransmittance {
       path.lanes.set(lane);
       path.visibility = visibility;
       path.set = set;
+      path.is_unbent = job.is_unbent;
       in_flight_.push_back(path);
     });
   }
@@ -200,7 +214,8 @@ class ShadowTransmittance {
     const float* film_n = material.film ? row(material.film->index) : nullptr;
     const float* inverse_wavelength = row(world_.inverse_wavelength);
     const float cosine = std::min(1.0f, std::abs(glm::dot(line.direction, point.shading_normal)));
-    const float share = (1.0f - sample.metallic) * sample.transmission;
+    float share = (1.0f - sample.metallic) * sample.transmission;
+    if (path.is_unbent && !goes_straight(world_, material, sample, point, change)) share = 0.0f;
     const bool has_lookup = share > 0.0f && sample.base_color.uses_lookup;
     const Vec3f lookup = has_lookup ? looked_up(world_, sample.base_color) : Vec3f(0.0f);
     const bool has_layers = share > 0.0f && material.layers.has_value();

@@ -312,6 +312,7 @@ HWY_INLINE SurfaceAnswer AnswerOf(D d, int stride, const MediumChange& change,
   const float eta = answer.eta_ti[hit.lanes.front()];
   refraction.spreads =
       !change.goes_straight() && LanesWith(d, stride, answer.eta_ti.v, eta, hit.lanes) != hit.lanes;
+  refraction.is_straight = change.goes_straight() && facets == nullptr;
   return answer;
 }
 

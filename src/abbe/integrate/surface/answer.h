@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "abbe/integrate/fan_origin.h"
 #include "abbe/integrate/surface/hit.h"
@@ -94,8 +95,10 @@ struct Lobe {
   /// Its direction was drawn with the density of SampledDensity() (scatter-inl.h): light sampled by
   /// other means may have found it, too. Otherwise it is the only way to what it meets.
   bool is_sampled = false;
-  MediumStack media;     ///< That its rays are in.
-  LaneArray3 direction;  ///< Unit length, away from the surface.
+  bool is_straight = false;  ///< Its rays go on as they came: shadow rays go there, too.
+  MediumStack media;         ///< That its rays are in.
+  LaneArray3 direction;      ///< Unit length, away from the surface.
+  LaneArray per_sr;          ///< Of a sampled one, that density, where light is sampled.
   /// In [0, 1], and that of all lobes adds up to at most 1; of lobes taken by chance, in the mean.
   LaneArray share;
 };
@@ -109,6 +112,8 @@ struct SurfaceAnswer {
   LaneArray inverse_n2;  ///< 1/n² of the medium of arrival: light added here becomes basic.
   std::array<Lobe, kMaxLobes> lobes;
   std::size_t lobe_count = 0;
+  std::uint32_t rough_samples =
+      0;  ///< Of light that sampled lobes share (light/shared_light-inl.h).
 
   /// The first lobe made that way, or null.
   const Lobe* lobe(FanOrigin made_by) const {
@@ -130,6 +135,7 @@ struct ShadedSurface {
   bool has_rough_coat = false;
   bool samples_rough_lobe = false;        ///< A ray stands for the rough lobes, too.
   const ReboundLanes* rebound = nullptr;  ///< Of a rough metal, if it has that lobe.
+  bool has_broad_lobe = true;             ///< Diffuse ones, sheen: no ray stands for those.
 };
 
 }  // namespace abbe

@@ -22,6 +22,8 @@ struct SurfaceHit {
   /// For textures: of each lane where `points_differ`, else of the first alone.
   std::span<const SurfacePoint> points;
   bool points_differ = false;
+  /// What the lanes met: each its own, or one for all.
+  std::span<const std::uint32_t> primitives;
 
   LaneArray3 position;
   LaneArray3 direction;  ///< Of arrival.
@@ -31,6 +33,7 @@ struct SurfaceHit {
   LaneArray distance_m;
 
   const SurfacePoint& point(int lane) const { return points[points_differ ? lane : 0]; }
+  std::uint32_t primitive(int lane) const { return primitives[primitives.size() > 1 ? lane : 0]; }
 };
 
 /// What the surface is to a ray in `media`.

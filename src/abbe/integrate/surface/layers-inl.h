@@ -196,6 +196,7 @@ void LayOver(D d, int stride, const BoundaryRows& rows, const SurfaceHit& hit, b
     own->media = reflection.media;
     own->spreads = false;
     own->is_sampled = false;
+    own->is_straight = false;
   }
   for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
     const auto arrival = ArrivalAt(d, hit, i);

@@ -248,6 +248,24 @@ std::optional<WorldEnvironment::Draw> WorldEnvironment::draw(const Vec2f& u) con
               of_row * of_column / solid_angle};
 }
 
+float WorldEnvironment::density(const Vec3f& direction) const {
+  if (up_to_row_.empty()) return 0.0f;
+  const float v = std::acos(std::clamp(direction.y, -1.0f, 1.0f)) / kFloatPi;
+  const auto limit = std::upper_bound(row_limits_.begin() + 1, row_limits_.end() - 1, v);
+  const auto row = static_cast<std::size_t>(limit - row_limits_.begin()) - 1;
+  // draw() the other way round.
+  const float turns = std::atan2(direction.z, direction.x) / (2.0f * kFloatPi) + 0.5f + turn_ -
+                      0.5f / static_cast<float>(width_);
+  const float across = (turns - std::floor(turns)) * static_cast<float>(columns_);
+  const std::size_t column = std::min(static_cast<int>(across), columns_ - 1);
+  const float* shares = up_to_column_.data() + row * static_cast<std::size_t>(columns_);
+  const float of_row = up_to_row_[row] - (row > 0 ? up_to_row_[row - 1] : 0.0f);
+  const float of_column = shares[column] - (column > 0 ? shares[column - 1] : 0.0f);
+  const float height =
+      std::cos(kFloatPi * row_limits_[row]) - std::cos(kFloatPi * row_limits_[row + 1]);
+  return of_row * of_column * static_cast<float>(columns_) / (2.0f * kFloatPi * height);
+}
+
 std::shared_ptr<const WorldEnvironment> tabulate_environment(const Scene& scene,
                                                              const LaneModel& lanes, Rows& rows) {
   if (!scene.environment || !(scene.environment->scale > 0.0)) return nullptr;

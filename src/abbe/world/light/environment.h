@@ -35,6 +35,8 @@ class WorldEnvironment {
   /// the image between texel centres; evenly within a part.
   /// Domain: u in [0, 1)². Absent where the environment is black.
   std::optional<Draw> draw(const Vec2f& u) const;
+  /// The density of draw() in a direction, per steradian; 0 where it never draws.
+  float density(const Vec3f& direction) const;
 
  private:
   struct Taps {

@@ -20,6 +20,8 @@ namespace {
 constexpr double kNarrow_rad = 0.005;
 constexpr double kShareOfBody = 0.03;
 constexpr double kStillNarrow_rad = 0.2;
+// Close to a lamp, however often that takes, until they are narrower than this.
+constexpr double kWide_rad = 0.1;
 // How often a face may be halved for the first reason, and for the second.
 constexpr int kMaxCuts = 10;
 constexpr int kMaxFurtherCuts = 4;
@@ -127,7 +129,8 @@ class Searcher {
       return;
     const bool is_wide =
         cone.angle_rad > kNarrow_rad || cone.radius_m > kShareOfBody * body_radius_m_;
-    bool again = is_wide && cuts < max_cuts_;
+    const bool is_near = cone.angle_rad > kWide_rad && cuts < 2 * kMaxCuts;
+    bool again = is_wide && (cuts < max_cuts_ || is_near);
     // A mirror's pyramid is bounded well by any cone that is not too wide.
     if (body_of(start.face).is_mirror && cone.angle_rad < 0.1) again = false;
     if (!again) {

@@ -1,12 +1,14 @@
 #include "abbe/caustics/flat/search/paths.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "abbe/math/polygon.h"
+#include "abbe/math/spherical_triangle.h"
 #include "abbe/world/light/lights.h"
 
 namespace abbe {
@@ -43,7 +45,10 @@ constexpr int kTrappedSteps = 256;
 struct LitPolygon {
   FacetSide side;
   std::vector<Vec3d> corners;
-  double flux = 0.0;     ///< About what falls on it.
+  /// What falls on its triangles about the first corner: their solid angles seen from a lamp, or
+  /// areas across parallel light.
+  std::vector<double> triangles = {};
+  double flux = 0.0;     ///< Of all of them.
   std::size_t rays = 0;  ///< In the first round.
 };
 
@@ -126,7 +131,6 @@ class PathFinder {
     for (const Regions::Group& group : regions_.border(tree_.nodes[0].region)) {
       for (const FacetSide& side : group.sides) {
         const Facet& facet = search_.flat.facets[side.facet];
-        const Vec3d to_facet = is_parallel_ ? direction_ : facet.center - lamp_;
         const double height = is_parallel_ ? glm::dot(facet.normal, direction_)
                                            : facet.distance - glm::dot(facet.normal, lamp_);
         if (side.from_inside ? height <= 0.0 : height >= 0.0) continue;
@@ -135,51 +139,64 @@ class PathFinder {
           polygon.corners = clipped(polygon.corners, bound.normal, bound.distance);
         }
         if (polygon.corners.size() < 3) continue;
-        const double area = area_of(polygon.corners);
-        const double distance = glm::length(to_facet);
-        polygon.flux = area * std::abs(glm::dot(facet.normal, to_facet)) / distance;
-        if (!is_parallel_) {
-          const double near = std::max(distance, 0.5 * facet.radius_m);
-          polygon.flux = area / (near * near);
+        for (std::size_t i = 2; i < polygon.corners.size(); ++i) {
+          polygon.triangles.push_back(light_on(triangle_of(polygon, i)));
+          polygon.flux += polygon.triangles.back();
         }
+        if (!(polygon.flux > 0.0)) continue;
         lit_.push_back(std::move(polygon));
       }
     }
   }
 
-  // A place of a polygon, evenly spread. Source: Roberts, The unreasonable effectiveness of
-  // quasirandom sequences, 2018.
-  static Vec3d place_of(const std::vector<Vec3d>& corners, std::size_t number) {
+  using Triangle = std::array<Vec3d, 3>;
+
+  // Between the first corner of a polygon and corners last − 1 and last.
+  static Triangle triangle_of(const LitPolygon& polygon, std::size_t last) {
+    return {polygon.corners[0], polygon.corners[last - 1], polygon.corners[last]};
+  }
+
+  // What falls on a triangle; m² of parallel light, sr of a lamp.
+  double light_on(const Triangle& t) const {
+    if (is_parallel_)
+      return 0.5 * std::abs(glm::dot(direction_, glm::cross(t[1] - t[0], t[2] - t[0])));
+    return solid_angle(t[0] - lamp_, t[1] - lamp_, t[2] - lamp_);
+  }
+
+  // A place of a polygon; all get the same light. Source: Roberts, The unreasonable effectiveness
+  // of quasirandom sequences, 2018.
+  Vec3d place_of(const LitPolygon& polygon, std::size_t number) const {
     const auto at = static_cast<double>(number);
-    double u = std::fmod(0.5 + at * 0.7548776662466927, 1.0);
+    double u = std::fmod(0.5 + at * 0.7548776662466927, 1.0) * polygon.flux;
     const double v = std::fmod(0.5 + at * 0.5698402909980532, 1.0);
-    const double area = area_of(corners);
-    double before = 0.0;
-    for (std::size_t i = 2; i < corners.size(); ++i) {
-      const double share = area_of({corners[0], corners[i - 1], corners[i]}) / area;
-      if (u >= before + share && i + 1 < corners.size()) {
-        before += share;
-        continue;
-      }
-      const double root = std::sqrt(std::clamp((u - before) / share, 0.0, 1.0));
-      return (1.0 - root) * corners[0] + root * (1.0 - v) * corners[i - 1] + root * v * corners[i];
+    std::size_t i = 0;
+    for (; i + 1 < polygon.triangles.size() && u >= polygon.triangles[i]; ++i) {
+      u -= polygon.triangles[i];
     }
-    return corners[0];
+    const double light = polygon.triangles[i];
+    const Triangle t = triangle_of(polygon, i + 2);
+    const double share = light > 0.0 ? std::clamp(u / light, 0.0, 1.0) : 0.0;
+    if (is_parallel_ || light < kLeastSolidAngle_sr) {
+      const double root = std::sqrt(share);
+      return (1.0 - root) * t[0] + root * (1.0 - v) * t[1] + root * v * t[2];
+    }
+    const Vec3d direction =
+        direction_to_triangle(t[0] - lamp_, t[1] - lamp_, t[2] - lamp_, {share, v});
+    const Vec3d normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+    const double away = glm::dot(normal, t[0] - lamp_) / glm::dot(normal, direction);
+    return std::isfinite(away) ? lamp_ + away * direction : t[0];
   }
 
   // Rays of a polygon, rounds [first, last) of them.
   void send(const LitPolygon& polygon, std::size_t first, std::size_t last) {
     const Facet& facet = search_.flat.facets[polygon.side.facet];
-    const double area = area_of(polygon.corners);
+    ray_flux_ = polygon.flux / static_cast<double>(polygon.rays);
     for (std::size_t i = first * polygon.rays; i < last * polygon.rays; ++i) {
-      const Vec3d place = place_of(polygon.corners, i);
+      const Vec3d place = place_of(polygon, i);
       const Vec3d offset = place - lamp_;
       const double length = glm::length(offset);
       const Vec3d direction = is_parallel_ ? direction_ : offset / length;
       if (is_shaded(polygon.side.facet, place, direction, length)) continue;
-      double flux = area * std::abs(glm::dot(direction, facet.normal));
-      if (!is_parallel_) flux /= length * length;
-      ray_flux_ = flux / static_cast<double>(polygon.rays);
       wave_ = search_.wave(only_wave_.value_or((i * 7919) % search_.waves()));
       first_body_ = facet.body;
       is_counted_ = i < polygon.rays;
@@ -340,9 +357,13 @@ class PathFinder {
     kept.nodes.push_back(node);
     kept.nodes.back().children.clear();
     kept.nodes.back().lanes = lanes();
+    double ends = node.useful;
     for (const std::uint32_t child : node.children) {
+      ends -= tree_.nodes[child].useful;
       keep(child, number, is_main, least, kept, light);
     }
+    // What one ray found stands for as much that none has.
+    if (node.rays == 1) light.faint += std::max(ends, 0.0);
   }
 
   const ChainSearch& search_;

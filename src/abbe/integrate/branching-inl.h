@@ -34,7 +34,6 @@ class Branching {
         settings_(settings),
         samples_(samples),
         stats_(stats),
-        shares_light_(shares_light(world)),
         stride_(world.lanes.lane_stride()) {}
 
   /// The share of light that a partly covering surface lets by goes straight on; what is left of
@@ -86,9 +85,14 @@ class Branching {
                   arrived[i],   weights[i]};
       if (lobe.is_straight) {
         child.shared = at.fan.shared;
-      } else if (lobe.is_sampled && shares_light_) {
+      } else if (lobe.per_sr != nullptr) {
         child.shared = lit_place(world_, at.hit, answer.rough_samples);
-        child.per_sr = &lobe.per_sr;
+        if (world_.environment) {
+          LightCells::Seen seen;
+          world_.environment->cells().look(child.shared.normal, seen);
+          child.shared.environment = seen.total;
+        }
+        child.per_sr = lobe.per_sr;
       }
       if (child.spread && settings_.cluster_lanes > 0) {
         add_clusters(at, child, next);
@@ -244,7 +248,8 @@ class Branching {
   }
 
   // How likely the rays of a new fan were drawn, and how far they have come since.
-  void share_rays(const FanAtSurface& at, const Child& child, Fan& fan, float* of_lanes) const {
+  HWY_NOINLINE void share_rays(const FanAtSurface& at, const Child& child, Fan& fan,
+                               float* of_lanes) const {
     const auto density = [&](int lane) {
       return child.per_sr != nullptr ? (*child.per_sr)[lane]
                                      : at.list.per_sr(at.fan, lane, stride_);
@@ -307,7 +312,6 @@ class Branching {
   const IntegratorSettings& settings_;
   std::span<const CameraSample> samples_;
   IntegratorStats& stats_;
-  const bool shares_light_;
   const int stride_;
 };
 

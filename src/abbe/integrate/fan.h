@@ -24,6 +24,7 @@ struct SharedRays {
   Vec3f place{0.0f};
   Vec3f normal{0.0f};          ///< Of its horizon; 0 where light comes from all around.
   float light_samples = 0.0f;  ///< Of shining surfaces, and as many of the environment.
+  float environment = 0.0f;    ///< LightCells::Seen::total of what the normal sees.
   // Of a united fan; spread ones have them per lane.
   float per_sr = 0.0f;  ///< The density of its direction.
   float way_m = 0.0f;   ///< From the surface to the fan's origin.

@@ -220,13 +220,14 @@ class Tracer {
       layers->coat_chance = CoatChance(hit, answer, *layers, rough);
       dim_emission(*layers, at.emission);
     }
-    LaneArray emission = at.emission;
+    const LaneArray* emission = &at.emission;
+    LaneArray shared_emission;
     if (fan.shared.any() && world_.emitters && material.lights_others) {
-      LaneArray share;
-      shares_of_rays(world_, list, fan, hit, stride_, share);
-      multiply(share, emission);
+      SharesOfRays(world_, list, fan, hit, stride_, shared_emission);
+      multiply(at.emission, shared_emission);
+      emission = &shared_emission;
     }
-    add_local_light(fan, material, emission, answer, layers ? layers->ambient : answer.diffuse,
+    add_local_light(fan, material, *emission, answer, layers ? layers->ambient : answer.diffuse,
                     throughput, hidden);
     if (wants_albedo) keep_albedo(fan, at.base_color);
     if (material.unlit) return;
@@ -257,12 +258,13 @@ class Tracer {
     }
     if (!coherent) return;
     if (!shaded.samples_rough_lobe) return branching_.branch(where, throughput, answer, next);
-    branching_.branch(where, throughput, sampled_answer(where, change, shaded), next);
+    LaneArray per_sr;
+    branching_.branch(where, throughput, sampled_answer(where, change, shaded, per_sr), next);
   }
 
-  // The answer with a ray drawn for its rough lobes.
+  // The answer with a ray drawn for its rough lobes; `per_sr` holds the density of that.
   SurfaceAnswer sampled_answer(const FanAtSurface& where, const MediumChange& change,
-                               const ShadedSurface& surface) {
+                               const ShadedSurface& surface, LaneArray& per_sr) {
     const D d;
     const Fan& fan = where.fan;
     const LayerLanes* layers = surface.at.layers;
@@ -297,9 +299,9 @@ class Tracer {
     if (shares_light(world_)) {
       answer.rough_samples = light_samples_at(fan, surface).rough;
       for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
-        hn::Store(SampledDensity(d, surface, i, Load3(d, sampled->direction, i)), d,
-                  sampled->per_sr.v + i);
+        hn::Store(SampledDensity(d, surface, i, Load3(d, sampled->direction, i)), d, per_sr.v + i);
       }
+      sampled->per_sr = &per_sr;
     }
     return answer;
   }
@@ -344,7 +346,7 @@ class Tracer {
       const Vec3f direction = direction_of(lane);
       if (!any || direction != last) {
         world_.environment->radiance(world_.lanes, world_.rows, set, direction, light.v);
-        if (fan.shared.any()) per_sr = world_.environment->density(direction);
+        if (fan.shared.any()) per_sr = environment_density(fan.shared, direction);
         last = direction;
         any = true;
       }
@@ -355,6 +357,11 @@ class Tracer {
       sum[lane] += arrived;
       if (emitted_part != nullptr) emitted_part[lane] += arrived;
     }
+  }
+
+  // With which an environment was sampled for the surface that a fan has come from.
+  float environment_density(const SharedRays& shared, const Vec3f& direction) const {
+    return world_.environment->cells().density(shared.normal, shared.environment, direction);
   }
 
   bool is_in_fog(const Fan& fan) const { return world_.fog && fan.media.empty(); }

@@ -146,10 +146,12 @@ class DirectLight {
     const CameraSample& sample = samples_[fan.sample];
     const LightSamples samples = light_samples_at(fan, surface.shaded);
     LaneArray density;
+    LightCells::Seen seen;
+    world_.environment->cells().look(lit_place(world_, hit, samples.rough).normal, seen);
     for (std::uint32_t number = 0; number < samples.all; ++number) {
-      const auto drawn = world_.environment->draw(
-          random_2d(sample.chance, fan.path, Purpose::Environment, number));
-      if (!drawn) return;
+      const auto drawn = world_.environment->cells().draw(
+          seen, random_2d(sample.chance, fan.path, Purpose::Environment, number));
+      if (!drawn) continue;
       Splat(d, stride_, drawn->direction, to_light.direction);
       Splat(d, stride_, kInfinity, to_light.distance_m);
       world_.environment->radiance(world_.lanes, world_.rows, sample.set, drawn->direction,

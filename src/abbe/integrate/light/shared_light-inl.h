@@ -96,8 +96,9 @@ inline SharedRays lit_place(const World& world, const SurfaceHit& hit, std::uint
 
 /// The share that rays keep of a shining surface that some lanes of a fan have met.
 /// Shape:  per lane; `stride` of them. Domain: fan.shared.any(), world.emitters.
-inline void shares_of_rays(const World& world, const FanList& list, const Fan& fan,
-                           const SurfaceHit& hit, int stride, LaneArray& share) {
+HWY_MAYBE_UNUSED HWY_NOINLINE void SharesOfRays(const World& world, const FanList& list,
+                                                const Fan& fan, const SurfaceHit& hit, int stride,
+                                                LaneArray& share) {
   const SharedRays& shared = fan.shared;
   const auto of_lane = [&](int lane) {
     const float per_m2 = world.emitters->density({shared.place, shared.normal}, hit.primitive(lane),

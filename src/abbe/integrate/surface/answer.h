@@ -98,7 +98,8 @@ struct Lobe {
   bool is_straight = false;  ///< Its rays go on as they came: shadow rays go there, too.
   MediumStack media;         ///< That its rays are in.
   LaneArray3 direction;      ///< Unit length, away from the surface.
-  LaneArray per_sr;          ///< Of a sampled one, that density, where light is sampled.
+  /// Of a sampled one, that density, where light is sampled; elsewhere null.
+  const LaneArray* per_sr = nullptr;
   /// In [0, 1], and that of all lobes adds up to at most 1; of lobes taken by chance, in the mean.
   LaneArray share;
 };

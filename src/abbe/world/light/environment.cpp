@@ -61,7 +61,7 @@ WorldEnvironment::WorldEnvironment(std::shared_ptr<const Environment> source,
     for (int c = 0; c < 3; ++c) basis_[c] = rows.add(lanes.uplift_basis(c));
   }
   if (!has_bands || is_rgb_) tabulate_colors(lanes);
-  tabulate_density();
+  tabulate_cells();
 }
 
 void WorldEnvironment::tabulate_colors(const LaneModel& lanes) {
@@ -98,7 +98,7 @@ void WorldEnvironment::tabulate_colors(const LaneModel& lanes) {
 
 // Parts between texel centres, in which the radiance is bilinear; half as high at the poles. Small
 // images have more parts, so that what faces away from a surface is told from what does not.
-void WorldEnvironment::tabulate_density() {
+void WorldEnvironment::tabulate_cells() {
   const EnvironmentImage& image = source_->image;
   const std::size_t bands = image.band_nm.size();
   const std::size_t count = static_cast<std::size_t>(width_) * height_;
@@ -112,16 +112,16 @@ void WorldEnvironment::tabulate_density() {
     }
   }
   const int finer = width_ < 64 ? 2 * ((64 + 2 * width_ - 1) / (2 * width_)) : 1;
-  columns_ = width_ * finer;
-  row_limits_ = {0.0f};
+  const int columns = width_ * finer;
+  std::vector<float> row_limits = {0.0f};
   for (int k = 1; k < 2 * height_ * finer; ++k) {
     const bool is_limit = finer > 1 ? k % 2 == 0 : k % 2 == 1;
     if (is_limit) {
-      row_limits_.push_back(static_cast<float>(k) / static_cast<float>(2 * height_ * finer));
+      row_limits.push_back(static_cast<float>(k) / static_cast<float>(2 * height_ * finer));
     }
   }
-  row_limits_.push_back(1.0f);
-  rows_ = static_cast<int>(row_limits_.size()) - 1;
+  row_limits.push_back(1.0f);
+  const std::size_t rows = row_limits.size() - 1;
   // The radiance at the corners of the parts; columns are counted from the first texel's centre.
   const auto at = [&](int column, float v) {
     const float x = static_cast<float>(column) / static_cast<float>(finer);
@@ -137,31 +137,17 @@ void WorldEnvironment::tabulate_density() {
     return (1.0f - fy) * ((1.0f - fx) * texel(x0, y0) + fx * texel(x0 + 1, y0)) +
            fy * ((1.0f - fx) * texel(x0, y0 + 1) + fx * texel(x0 + 1, y0 + 1));
   };
-  up_to_column_.resize(static_cast<std::size_t>(columns_) * rows_);
-  std::vector<double> of_rows(static_cast<std::size_t>(rows_));
-  double total = 0.0;
-  for (int row = 0; row < rows_; ++row) {
-    const float top = row_limits_[row];
-    const float bottom = row_limits_[row + 1];
-    const double height =
-        std::cos(kPi * static_cast<double>(top)) - std::cos(kPi * static_cast<double>(bottom));
-    double sum = 0.0;
-    std::vector<double> sums(static_cast<std::size_t>(columns_));
-    for (int column = 0; column < columns_; ++column) {
-      sum += static_cast<double>(at(column, top) + at(column + 1, top) + at(column, bottom) +
-                                 at(column + 1, bottom));
-      sums[static_cast<std::size_t>(column)] = sum;
+  std::vector<float> parts;
+  parts.reserve(static_cast<std::size_t>(columns) * rows);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const float top = row_limits[row], bottom = row_limits[row + 1];
+    for (int column = 0; column < columns; ++column) {
+      parts.push_back(0.25f * (at(column, top) + at(column + 1, top) + at(column, bottom) +
+                               at(column + 1, bottom)));
     }
-    float* shares = up_to_column_.data() + static_cast<std::size_t>(row) * columns_;
-    for (int column = 0; column < columns_; ++column) {
-      shares[column] =
-          sum > 0.0 ? static_cast<float>(sums[static_cast<std::size_t>(column)] / sum) : 1.0f;
-    }
-    total += sum * height;
-    of_rows[static_cast<std::size_t>(row)] = total;
   }
-  if (!(total > 0.0)) return;
-  for (const double sum : of_rows) up_to_row_.push_back(static_cast<float>(sum / total));
+  cells_ = LightCells(std::move(parts), columns, std::move(row_limits),
+                      0.5f / static_cast<float>(width_) - 0.5f - turn_);
 }
 
 WorldEnvironment::Taps WorldEnvironment::taps(const Vec3f& direction) const {
@@ -217,53 +203,6 @@ void WorldEnvironment::radiance(const LaneModel& lanes, const Rows& rows, int se
     }
   }
   for (int lane = 0; lane < stride; ++lane) out[lane] *= white[lane];
-}
-
-std::optional<WorldEnvironment::Draw> WorldEnvironment::draw(const Vec2f& u) const {
-  if (up_to_row_.empty()) return std::nullopt;
-  // The part of [0, 1) that u falls into, and where in it.
-  const auto choose = [](const float* first, int count, float x, float& place, float& share) {
-    int i = static_cast<int>(std::upper_bound(first, first + count, x) - first);
-    i = std::min(i, count - 1);
-    while (i > 0 && !(first[i] > first[i - 1])) --i;
-    const float before = i > 0 ? first[i - 1] : 0.0f;
-    share = first[i] - before;
-    place = share > 0.0f ? std::clamp((x - before) / share, 0.0f, 1.0f) : 0.5f;
-    return i;
-  };
-  float down = 0.0f, of_row = 0.0f, across = 0.0f, of_column = 0.0f;
-  const int row = choose(up_to_row_.data(), rows_, u.y, down, of_row);
-  const float* shares = up_to_column_.data() + static_cast<std::size_t>(row) * columns_;
-  const int column = choose(shares, columns_, u.x, across, of_column);
-  if (!(of_row > 0.0f) || !(of_column > 0.0f)) return std::nullopt;
-  const float top = std::cos(kFloatPi * row_limits_[row]);
-  const float bottom = std::cos(kFloatPi * row_limits_[row + 1]);
-  const float y = top + down * (bottom - top);
-  const float sine = std::sqrt(std::max(0.0f, 1.0f - y * y));
-  const float turns = (static_cast<float>(column) + across) / static_cast<float>(columns_) +
-                      0.5f / static_cast<float>(width_) - 0.5f - turn_;
-  const float angle = 2.0f * kFloatPi * turns;
-  const float solid_angle = 2.0f * kFloatPi / static_cast<float>(columns_) * (top - bottom);
-  return Draw{{sine * std::cos(angle), y, sine * std::sin(angle)},
-              of_row * of_column / solid_angle};
-}
-
-float WorldEnvironment::density(const Vec3f& direction) const {
-  if (up_to_row_.empty()) return 0.0f;
-  const float v = std::acos(std::clamp(direction.y, -1.0f, 1.0f)) / kFloatPi;
-  const auto limit = std::upper_bound(row_limits_.begin() + 1, row_limits_.end() - 1, v);
-  const auto row = static_cast<std::size_t>(limit - row_limits_.begin()) - 1;
-  // draw() the other way round.
-  const float turns = std::atan2(direction.z, direction.x) / (2.0f * kFloatPi) + 0.5f + turn_ -
-                      0.5f / static_cast<float>(width_);
-  const float across = (turns - std::floor(turns)) * static_cast<float>(columns_);
-  const std::size_t column = std::min(static_cast<int>(across), columns_ - 1);
-  const float* shares = up_to_column_.data() + row * static_cast<std::size_t>(columns_);
-  const float of_row = up_to_row_[row] - (row > 0 ? up_to_row_[row - 1] : 0.0f);
-  const float of_column = shares[column] - (column > 0 ? shares[column - 1] : 0.0f);
-  const float height =
-      std::cos(kFloatPi * row_limits_[row]) - std::cos(kFloatPi * row_limits_[row + 1]);
-  return of_row * of_column * static_cast<float>(columns_) / (2.0f * kFloatPi * height);
 }
 
 std::shared_ptr<const WorldEnvironment> tabulate_environment(const Scene& scene,

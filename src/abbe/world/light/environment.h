@@ -3,12 +3,12 @@
 
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "abbe/math/vec.h"
 #include "abbe/scene/scene.h"
 #include "abbe/world/lanes.h"
+#include "abbe/world/light/light_cells.h"
 #include "abbe/world/rows.h"
 
 namespace abbe {
@@ -26,17 +26,9 @@ class WorldEnvironment {
   void radiance(const LaneModel& lanes, const Rows& rows, int set, const Vec3f& direction,
                 float* out) const;
 
-  /// A direction drawn from the density.
-  struct Draw {
-    Vec3f direction{0.0f};
-    float density = 0.0f;  ///< Per steradian, > 0.
-  };
-  /// A direction that light comes from, drawn by the radiance and the solid angle of the parts of
-  /// the image between texel centres; evenly within a part.
-  /// Domain: u in [0, 1)². Absent where the environment is black.
-  std::optional<Draw> draw(const Vec2f& u) const;
-  /// The density of draw() in a direction, per steradian; 0 where it never draws.
-  float density(const Vec3f& direction) const;
+  /// Where its light comes from: by the radiance and the solid angle of the parts of the image
+  /// between texel centres.
+  const LightCells& cells() const { return cells_; }
 
  private:
   struct Taps {
@@ -45,7 +37,7 @@ class WorldEnvironment {
   };
   Taps taps(const Vec3f& direction) const;
   void tabulate_colors(const LaneModel& lanes);
-  void tabulate_density();
+  void tabulate_cells();
 
   std::shared_ptr<const Environment> source_;
   int width_ = 0, height_ = 0;
@@ -55,11 +47,7 @@ class WorldEnvironment {
   RowId abscissa_ = 0;
   RowId basis_[3] = {0, 0, 0};
   std::vector<Vec4f> texels_;  ///< Coefficients or channels, and their scale; empty with bands.
-  // Parts of the image: columns × rows of them, each row's limits in v.
-  int columns_ = 0, rows_ = 0;
-  std::vector<float> row_limits_;
-  std::vector<float> up_to_row_;     ///< Share of light above the end of a row.
-  std::vector<float> up_to_column_;  ///< In its row, share of light left of the end of a column.
+  LightCells cells_;
 };
 
 /// The environment of a scene. Null where there is none, or it is black by its scale.

@@ -194,5 +194,30 @@ TEST(SharedLight, one_bright_texel_is_a_highlight_of_rough_metal) {
   EXPECT_LT(found.deviation, 0.1 * expected);
 }
 
+// A lamp behind a frosted sheet, on the way straight through it: the mirror image of what its
+// microfacets reflect, with Fresnel's share that goes on.
+TEST(SharedLight, a_frosted_sheet_shows_a_lamp_behind_it_by_the_integral_of_its_lobe) {
+  constexpr double kHalf = 0.05;
+  for (const double roughness : {0.4, 0.8}) {
+    Material sheet = test::glass(1.5);
+    sheet.has_volume = false;
+    sheet.roughness = static_cast<float>(roughness);
+    Scene scene = floor_of(sheet);
+    Mat4d place = lamp_place();
+    for (int column = 0; column < 4; ++column) place[column].z = -place[column].z;
+    place[0] = -place[0];  // Mirrored, it faces the sheet again.
+    test::add_square(scene, test::add(scene, shining()), kHalf, place);
+    const double expected = light_of_square(roughness, kHalf, [&](const Vec3d& way) {
+      const Vec3d half = glm::normalize(way + kView);
+      const double c = glm::dot(way, half), t = std::sqrt(1.0 - (1.0 - c * c) / 2.25);
+      const double s = (c - 1.5 * t) / (c + 1.5 * t), p = (1.5 * c - t) / (1.5 * c + t);
+      return 1.0 - 0.5 * (s * s + p * p);
+    });
+    const Seen found = seen(scene, 64);
+    EXPECT_NEAR(found.mean, expected, 4.0 * found.deviation / 8.0 + 2e-3 * expected) << roughness;
+    EXPECT_LT(found.deviation, 0.1 * expected) << roughness;
+  }
+}
+
 }  // namespace
 }  // namespace abbe

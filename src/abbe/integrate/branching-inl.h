@@ -86,7 +86,7 @@ class Branching {
       if (lobe.is_straight) {
         child.shared = at.fan.shared;
       } else if (lobe.per_sr != nullptr) {
-        child.shared = lit_place(world_, at.hit, answer.rough_samples);
+        child.shared = lit_place(world_, at.hit, answer.rough_samples, answer.is_lit_from_behind);
         if (world_.environment) {
           LightCells::Seen seen;
           world_.environment->cells().look(child.shared.normal, seen);

@@ -244,6 +244,8 @@ class Tracer {
                           coated || world_.shines_all_around;
     const bool has_rough_coat = layers && layers->coat_is_rough;
     const bool goes_on = fan.depth < settings_.max_depth;
+    const bool may_refract = rough && coherent && goes_on && shares_light(world_) &&
+                             answer.lobe_count > 1 && scatters(at.transmission);
     const ShadedSurface shaded{hit,
                                at,
                                rows,
@@ -252,19 +254,21 @@ class Tracer {
                                has_rough_coat,
                                (has_rough_coat || (rough && coherent)) && goes_on,
                                rebound ? &*rebound : nullptr,
+                               may_refract ? &change.behind : nullptr,
+                               change.crossing == Crossing::Thin,
                                scatters(answer.diffuse) || (layers && scatters(layers->ambient))};
     if (rough || shaded.has_broad_lobe || has_rough_coat) {
       lamps_.send({where, shaded, throughput});
     }
     if (!coherent) return;
     if (!shaded.samples_rough_lobe) return branching_.branch(where, throughput, answer, next);
-    LaneArray per_sr;
+    std::array<LaneArray, 2> per_sr;
     branching_.branch(where, throughput, sampled_answer(where, change, shaded, per_sr), next);
   }
 
-  // The answer with a ray drawn for its rough lobes; `per_sr` holds the density of that.
+  // The answer with rays drawn for its rough lobes; `per_sr` holds their densities.
   SurfaceAnswer sampled_answer(const FanAtSurface& where, const MediumChange& change,
-                               const ShadedSurface& surface, LaneArray& per_sr) {
+                               const ShadedSurface& surface, std::array<LaneArray, 2>& per_sr) {
     const D d;
     const Fan& fan = where.fan;
     const LayerLanes* layers = surface.at.layers;
@@ -296,13 +300,20 @@ class Tracer {
                 random_1d(samples_[fan.sample].chance, fan.path, Purpose::Layer),
                 chance_of(fan, Purpose::Microfacet, 1), *sampled);
     }
-    if (shares_light(world_)) {
-      answer.rough_samples = light_samples_at(fan, surface).rough;
-      for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
-        hn::Store(SampledDensity(d, surface, i, Load3(d, sampled->direction, i)), d, per_sr.v + i);
-      }
-      sampled->per_sr = &per_sr;
+    if (!shares_light(world_)) return answer;
+    answer.rough_samples = light_samples_at(fan, surface).rough;
+    answer.is_lit_from_behind = surface.behind != nullptr;
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      hn::Store(SampledDensity(d, surface, i, Load3(d, sampled->direction, i)), d, per_sr[0].v + i);
     }
+    sampled->per_sr = &per_sr[0];
+    if (surface.behind == nullptr) return answer;
+    Lobe& refracted = answer.lobes[1];
+    for (int i = 0; i < stride_; i += static_cast<int>(hn::Lanes(d))) {
+      const auto from = ScatteredFromBehind(d, surface, i, Load3(d, refracted.direction, i));
+      hn::Store(from.density, d, per_sr[1].v + i);
+    }
+    refracted.per_sr = &per_sr[1];
     return answer;
   }
 

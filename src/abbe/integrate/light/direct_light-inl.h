@@ -73,7 +73,7 @@ class DirectLight {
           fan.depth == 0 ? lamp : kIncoherent);
     }
     if (world_.environment) send_environment(surface, to_light);
-    if (world_.emitters) send_emitters(surface, fog_per_m, to_light);
+    if (world_.emitters) send_emitters(surface, to_light);
     send_parallel_chains(surface);
     send_point_chains(surface);
   }
@@ -147,7 +147,8 @@ class DirectLight {
     const LightSamples samples = light_samples_at(fan, surface.shaded);
     LaneArray density;
     LightCells::Seen seen;
-    world_.environment->cells().look(lit_place(world_, hit, samples.rough).normal, seen);
+    world_.environment->cells().look(
+        lit_place(world_, hit, samples.rough, surface.shaded.behind != nullptr).normal, seen);
     for (std::uint32_t number = 0; number < samples.all; ++number) {
       const auto drawn = world_.environment->cells().draw(
           seen, random_2d(sample.chance, fan.path, Purpose::Environment, number));
@@ -158,19 +159,19 @@ class DirectLight {
                                    to_light.irradiance.v);
       Splat(d, stride_, drawn->density, density);
       for (int lane = 0; lane < stride_; ++lane) to_light.irradiance[lane] /= drawn->density;
-      send_shared(surface, to_light, density, samples, number,
+      send_shared(surface, to_light, density, 0.0f, samples, number,
                   [&](int lane) { return shadow_ray(hit, to_light, lane); });
     }
   }
 
   // Light of surfaces that shine, as that from all around.
-  void send_emitters(const LitSurface& surface, float fog_per_m, LightGeometry& to_light) {
+  void send_emitters(const LitSurface& surface, LightGeometry& to_light) {
     const D d;
     const Fan& fan = surface.where.fan;
     const SurfaceHit& hit = surface.where.hit;
     const CameraSample& sample = samples_[fan.sample];
     const LightSamples samples = light_samples_at(fan, surface.shaded);
-    const SharedRays lit = lit_place(world_, hit, samples.rough);
+    const SharedRays lit = lit_place(world_, hit, samples.rough, surface.shaded.behind != nullptr);
     const auto first_item = static_cast<std::uint32_t>(world_.lights.size()) * kPlacesSeen;
     LaneArray radiance, density;
     for (std::uint32_t number = 0; number < samples.all; ++number) {
@@ -181,10 +182,8 @@ class DirectLight {
       const float rounding_m = EmissionAt(d, world_, *spot, sample.set, radiance);
       DimByCoat(world_, *spot, hit.position, surface.shaded.rows.n_medium, radiance);
       LightFromSpot(*spot, stride_, radiance, hit.position, to_light, &density);
-      if (fog_per_m > 0.0f) {
-        Attenuate(d, stride_, fog_per_m, to_light.distance_m, to_light.irradiance);
-      }
-      send_shared(surface, to_light, density, samples, number, [&](int lane) {
+      const float fog_per_m = world_.fog ? world_.fog->extinction_per_m : 0.0f;
+      send_shared(surface, to_light, density, fog_per_m, samples, number, [&](int lane) {
         return ray_to_spot(*spot, rounding_m, origin_of(hit, to_light, lane));
       });
     }
@@ -195,13 +194,31 @@ class DirectLight {
   // ray.
   template <class RayOf>
   void send_shared(const LitSurface& surface, const LightGeometry& to_light,
-                   const LaneArray& density, const LightSamples& samples, std::uint32_t number,
-                   const RayOf& ray_of) {
+                   const LaneArray& density, float fog_per_m, const LightSamples& samples,
+                   std::uint32_t number, const RayOf& ray_of) {
     const D d;
     const SurfaceHit& hit = surface.where.hit;
-    LaneArray broad, rough;
-    ReflectSharedLight(d, stride_, surface, to_light, density, samples, number, broad, rough);
+    LaneArray broad, rough, through;
+    ReflectSharedLight(d, stride_, surface, to_light, density, samples, number, broad, rough,
+                       through);
+    const MediumStack* behind = surface.shaded.behind;
+    const auto dim_by_fog = [&](const MediumStack& media, LaneArray& light) {
+      if (!(fog_per_m > 0.0f) || !media.empty()) return;
+      Attenuate(d, stride_, fog_per_m, to_light.distance_m, light);
+    };
+    dim_by_fog(surface.where.fan.media, broad);
+    dim_by_fog(surface.where.fan.media, rough);
     ShadowJob job;
+    if (behind != nullptr) {
+      dim_by_fog(*behind, through);
+      ShadowJob beyond;
+      beyond.is_unbent = true;
+      if (note(surface, through, beyond)) {
+        beyond.media = *behind;
+        beyond.departure = departure_from(hit, beyond.lanes, to_light.direction);
+        shadows_.add(beyond, ray_of);
+      }
+    }
     if (rays_may_bend_) {
       ShadowJob unbent;
       unbent.is_unbent = true;

@@ -8,21 +8,22 @@
 ///   this light, straight through whatever lets it by, weakened.
 /// - Ideal lobes (mirrors, smooth glass, a smooth coat; the camera): no sample finds their
 ///   direction. Rays alone do, and see what they meet whole.
-/// - Rough lobes (microfacets of metals, dielectrics and coats, light that goes on among them):
-///   both find it where the way is one that such a ray goes straight. A sample counts
-///   n·p_l/(n·p_l + p_r), a ray p_r/(n·p_l + p_r): n the number of samples, p_l their density, p_r
-///   that of the ray, both per solid angle at the surface (Veach's balance heuristic). Straight
-///   are gaps of partly covering surfaces, polished sheets, and boundaries within one medium: rays
-///   that pass them keep p_r, samples are weakened alike. A boundary between media bends rays, a
-///   rough sheet scatters them, a mirror sends them elsewhere: behind these, a ray sees light whole
-///   that no sample of its lobe finds, and samples of its lobe end there (ShadowJob::is_unbent).
+/// - Rough lobes (microfacets of metals, dielectrics, coats, of rough glass and rough sheets, light
+///   that goes on among them): both find it where the way is one that such a ray goes straight. A
+///   sample counts n·p_l/(n·p_l + p_r), a ray p_r/(n·p_l + p_r): n the number of samples, p_l their
+///   density, p_r that of the ray, both per solid angle at the surface (Veach's balance heuristic).
+///   Straight are gaps of partly covering surfaces, polished sheets, and boundaries within one
+///   medium: rays that pass them keep p_r, samples are weakened alike. A boundary between media
+///   bends rays, a rough sheet scatters them, a mirror sends them elsewhere: behind these, a ray
+///   sees light whole that no sample of its lobe finds, and samples of its lobe end there
+///   (ShadowJob::is_unbent).
 /// Where no ray is drawn for a rough lobe p_r is 0, and light that is never drawn (of material that
 /// is seen alone, of the back of what shines to one side) has p_l 0: the other way keeps all.
 ///
 /// p_r is one for all lanes of a united fan: weights are the same for all its wavelengths. Lanes of
-/// a spread fan have a ray, a place and p_r of their own each; they share the spot, whose density
-/// per area is one for all.
-/// Source: Veach & Guibas, Optimally Combining Sampling Techniques for Monte Carlo Rendering,
+/// a spread fan, and all that rough glass parts, have a ray, a place and p_r of their own each;
+/// they share the spot, whose density per area is one for all. Source: Veach & Guibas, Optimally
+/// Combining Sampling Techniques for Monte Carlo Rendering,
 ///         SIGGRAPH 1995.
 
 #if defined(ABBE_INTEGRATE_LIGHT_SHARED_LIGHT_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -79,13 +80,14 @@ inline LightSamples light_samples_at(const Fan& fan, const ShadedSurface& surfac
 }
 
 /// What that light is sampled for, of a surface; no rays yet.
-inline SharedRays lit_place(const World& world, const SurfaceHit& hit, std::uint32_t samples) {
+inline SharedRays lit_place(const World& world, const SurfaceHit& hit, std::uint32_t samples,
+                            bool is_lit_from_behind) {
   const int leader = hit.lanes.front();
   SharedRays shared;
   shared.place = hit.position.get(leader);
   // What lets light through is lit from behind, too.
   const auto& layers = material_of(world, hit).layers;
-  if (!layers || !layers->through) {
+  if (!is_lit_from_behind && (!layers || !layers->through)) {
     const Vec3f outward = hit.outward.get(leader);
     const bool is_front = glm::dot(hit.direction.get(leader), outward) < 0.0f;
     shared.normal = is_front ? outward : -outward;
@@ -126,16 +128,19 @@ inline float share_of_ray(const SharedRays& shared, float ray_per_sr, float per_
 }
 
 /// What a surface sends on of a sample of such light, before visibility, by the lobes that rays do
-/// not follow and by those that they follow as well.
+/// not follow and by those that they follow as well: reflecting and refracting ones.
 /// Shape:  `density` of the sample per lane, per steradian.
 template <class D>
 HWY_INLINE void ReflectSharedLight(D d, int stride, const LitSurface& surface,
                                    const LightGeometry& geometry, const LaneArray& density,
                                    const LightSamples& samples, std::uint32_t number,
-                                   LaneArray& broad, LaneArray& rough) {
+                                   LaneArray& broad, LaneArray& rough, LaneArray& through) {
   const bool is_for_rough = number < samples.rough;
   const auto part = hn::Set(d, 1.0f / static_cast<float>(samples.all));
+  const bool refracts = is_for_rough && surface.shaded.behind != nullptr;
   if (!is_for_rough) Splat(d, stride, 0.0f, rough);
+  if (!refracts) Splat(d, stride, 0.0f, through);
+  const float* n_behind = surface.shaded.rows.n_transmitted;
   const auto rough_samples = hn::Set(d, static_cast<float>(samples.rough));
   for (int i = 0; i < stride; i += static_cast<int>(hn::Lanes(d))) {
     const auto direction = Load3(d, geometry.direction, i);
@@ -152,6 +157,16 @@ HWY_INLINE void ReflectSharedLight(D d, int stride, const LitSurface& surface,
         hn::Add(hn::Mul(rough_samples, per_sr), SampledDensity(d, surface.shaded, i, direction));
     const auto share = hn::Div(per_sr, of_both);
     hn::Store(hn::Mul(hn::Mul(arriving, share), scattered.rough), d, rough.v + i);
+    if (!refracts) continue;
+    const auto behind = ScatteredFromBehind(d, surface.shaded, i, direction);
+    const auto kept = hn::Div(per_sr, hn::Add(hn::Mul(rough_samples, per_sr), behind.density));
+    auto basic = throughput;
+    if (!surface.shaded.is_sheet) {
+      const auto n = RowOr(d, n_behind, i, 1.0f);
+      basic = hn::Div(hn::Load(d, surface.throughput.v + i), hn::Mul(n, n));
+    }
+    const auto from_behind = hn::Mul(basic, hn::Load(d, geometry.irradiance.v + i));
+    hn::Store(hn::Mul(hn::Mul(from_behind, kept), behind.scattered), d, through.v + i);
   }
 }
 

@@ -113,8 +113,9 @@ struct SurfaceAnswer {
   LaneArray inverse_n2;  ///< 1/n² of the medium of arrival: light added here becomes basic.
   std::array<Lobe, kMaxLobes> lobes;
   std::size_t lobe_count = 0;
-  std::uint32_t rough_samples =
-      0;  ///< Of light that sampled lobes share (light/shared_light-inl.h).
+  /// Of light that sampled lobes share (light/shared_light-inl.h).
+  std::uint32_t rough_samples = 0;
+  bool is_lit_from_behind = false;  ///< By that light.
 
   /// The first lobe made that way, or null.
   const Lobe* lobe(FanOrigin made_by) const {
@@ -136,7 +137,9 @@ struct ShadedSurface {
   bool has_rough_coat = false;
   bool samples_rough_lobe = false;        ///< A ray stands for the rough lobes, too.
   const ReboundLanes* rebound = nullptr;  ///< Of a rough metal, if it has that lobe.
-  bool has_broad_lobe = true;             ///< Diffuse ones, sheen: no ray stands for those.
+  const MediumStack* behind = nullptr;    ///< Where a ray of its microfacets goes through it.
+  bool is_sheet = false;
+  bool has_broad_lobe = true;  ///< Diffuse ones, sheen: no ray stands for those.
 };
 
 }  // namespace abbe

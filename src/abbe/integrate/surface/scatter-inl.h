@@ -58,19 +58,29 @@ HWY_INLINE VecOf<D> DistributionAt(D d, const MaterialLanes& at, int i, const Ve
   return GgxDistribution(d, Dot3(d, across, across), alpha2);
 }
 
+/// The view of microfacets with a normal; but for the cosine with that.
 template <class D>
-HWY_INLINE HalfWay<D> HalfWayTo(D d, const ShadedSurface& surface, int i, const Vec3Of<D>& normal,
-                                const Vec3Of<D>& to_light) {
+HWY_INLINE HalfWay<D> ViewOf(D d, const ShadedSurface& surface, int i, const Vec3Of<D>& normal,
+                             const Vec3Of<D>& half) {
   const MaterialLanes& at = surface.at;
   const auto view = Load3(d, surface.hit.direction, i);
   HalfWay<D> way;
-  const auto half = HalfVector(d, view, to_light, &way.cos_view_half);
   way.cos_view = hn::Max(hn::Load(d, surface.answer.cos_incident.v + i), hn::Set(d, kLeastCosine));
   const auto roughness = hn::Max(hn::Load(d, at.roughness.v + i), hn::Set(d, kSmoothRoughness));
   const auto alpha = hn::Mul(roughness, roughness);
   way.alpha2 = hn::Mul(alpha, alpha);
   way.root_view = SmithRootOf(d, at, i, view, way.cos_view, way.alpha2);
   way.distribution = DistributionAt(d, at, i, normal, half, way.alpha2);
+  return way;
+}
+
+template <class D>
+HWY_INLINE HalfWay<D> HalfWayTo(D d, const ShadedSurface& surface, int i, const Vec3Of<D>& normal,
+                                const Vec3Of<D>& to_light) {
+  VecOf<D> cos_view_half;
+  const auto half = HalfVector(d, Load3(d, surface.hit.direction, i), to_light, &cos_view_half);
+  HalfWay<D> way = ViewOf(d, surface, i, normal, half);
+  way.cos_view_half = cos_view_half;
   return way;
 }
 
@@ -252,6 +262,81 @@ HWY_INLINE VecOf<D> SampledDensity(D d, const ShadedSurface& surface, int i,
       hn::Div(hn::Mul(hn::Set(d, 0.5f), coat.distribution), hn::Add(coat.cos_view, coat.root_view));
   const auto chance = hn::Set(d, layers->coat_chance);
   return hn::Add(hn::Mul(hn::Sub(hn::Set(d, 1.0f), chance), of_base), hn::Mul(chance, of_coat));
+}
+
+/// What microfacets of a rough boundary or sheet send along the ray that met it of light from
+/// behind, and how likely its refracted ray leaves to there, in some lanes.
+template <class D>
+struct FromBehind {
+  VecOf<D> scattered;  ///< f_t·cosθ of basic radiance, sr⁻¹.
+  VecOf<D> density;    ///< Per solid angle, as SampledDensity().
+};
+
+/// Where a boundary's index changes less than this, its microfacets hardly part rays: directions do
+/// not tell them apart, and light is not sampled for them.
+inline constexpr float kLeastBend = 1e-3f;
+
+/// The same for light from one direction behind, in the lanes from i on: single scattering. Each
+/// lane has its own half vector, and so its own density. Above the surface all is 0. Shape:
+/// `to_light` of unit length, away from the surface. Domain: surface.behind. Source: Walter,
+/// Marschner, Li & Torrance, Microfacet Models for Refraction through Rough
+///         Surfaces, EGSR 2007: half vector and its solid angle; a sheet sends behind it the mirror
+///         image of what it reflects.
+template <class D>
+HWY_NOINLINE FromBehind<D> ScatteredFromBehind(D d, const ShadedSurface& surface, int i,
+                                               const Vec3Of<D>& to_light) {
+  const auto one = hn::Set(d, 1.0f);
+  const auto zero = hn::Zero(d);
+  const MaterialLanes& at = surface.at;
+  const auto arrival = ArrivalAt(d, surface.hit, i);
+  const auto eta = hn::Load(d, surface.answer.eta_ti.v + i);
+  const auto cos_behind = hn::Neg(Dot3(d, to_light, arrival.shading));
+  const auto below = hn::Max(cos_behind, zero);
+  const auto is_behind =
+      hn::And(hn::Gt(cos_behind, zero), hn::Lt(Dot3(d, to_light, arrival.facing), zero));
+  FromBehind<D> light;
+  if (surface.is_sheet) {
+    const auto mirrored =
+        Combine3(d, one, to_light, hn::Add(cos_behind, cos_behind), arrival.shading);
+    const auto way = HalfWayTo(d, surface, i, arrival.shading, mirrored);
+    const auto k_t = SharesAt(d, surface.rows, at, i, eta, way.cos_view_half).refracted;
+    const auto root_out = SmithRootOf(d, at, i, mirrored, below, way.alpha2);
+    light.density =
+        hn::Div(hn::Mul(hn::Set(d, 0.5f), way.distribution), hn::Add(way.cos_view, way.root_view));
+    light.scattered =
+        hn::Mul(hn::Mul(k_t, light.density),
+                SmithReflectedShare(d, way.cos_view, way.root_view, cos_behind, root_out));
+  } else {
+    const auto back = arrival.direction;  // Away from where the lanes came.
+    const auto sum = Combine3(d, one, back, hn::Neg(eta), to_light);
+    const auto length2 = hn::Max(Dot3(d, sum, sum), hn::Set(d, 1e-12f));
+    const auto is_up = hn::Gt(Dot3(d, sum, arrival.shading), zero);
+    const auto scale = hn::Div(hn::IfThenElse(is_up, one, hn::Neg(one)), hn::Sqrt(length2));
+    const Vec3Of<D> half{hn::Mul(scale, sum.x), hn::Mul(scale, sum.y), hn::Mul(scale, sum.z)};
+    const auto cos_view_half = hn::Neg(Dot3(d, arrival.direction, half));
+    const auto cos_light_half = hn::Neg(Dot3(d, to_light, half));
+    const auto way = ViewOf(d, surface, i, arrival.shading, half);
+    const auto k_t =
+        SharesAt(d, surface.rows, at, i, eta, hn::Min(hn::Max(cos_view_half, zero), one)).refracted;
+    const auto root_out = SmithRootOf(d, at, i, to_light, below, way.alpha2);
+    // D of those visible from the view, and its half vectors per solid angle of directions.
+    const auto visible =
+        hn::Div(hn::Mul(hn::Add(way.distribution, way.distribution), cos_view_half),
+                hn::Add(way.cos_view, way.root_view));
+    const auto spread = hn::Div(hn::Mul(hn::Mul(eta, eta), cos_light_half), length2);
+    const auto is_bent = hn::Gt(hn::Abs(hn::Sub(eta, one)), hn::Set(d, kLeastBend));
+    const auto is_met = hn::And(hn::Gt(cos_view_half, zero), hn::Gt(cos_light_half, zero));
+    const auto density = hn::IfThenElseZero(is_met, hn::Mul(visible, spread));
+    light.scattered = hn::IfThenElseZero(
+        is_bent, hn::Mul(hn::Mul(k_t, density), SmithRefractedShare(d, cos_behind, root_out)));
+    light.density = hn::IfThenElse(is_bent, density, hn::Set(d, 1e30f));
+  }
+  if (at.layers != nullptr) {
+    light.scattered = hn::Mul(light.scattered, hn::Load(d, at.layers->coat_through.v + i));
+  }
+  light.scattered = hn::IfThenElseZero(is_behind, light.scattered);
+  light.density = hn::IfThenElseZero(is_behind, light.density);
+  return light;
 }
 
 /// What a sampled ray carries that leaves in a direction, in the lanes from i on: f_r·cosθ of the

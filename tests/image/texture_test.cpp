@@ -63,13 +63,11 @@ TEST(Texture, depths_below_8_bits_span_the_whole_range) {
               ElementsAre(85, 85, 85, 255, 170, 170, 170, 255));
 }
 
-TEST(Texture, sixteen_bits_become_floats) {
+TEST(Texture, sixteen_bits_stay_sixteen) {
   const auto bytes = png_bytes(1, 1, 16, PngRgba, {{0x80, 0, 0xff, 0xff, 0, 1, 0x40, 0}});
   const DecodedTexture texture = decode_texture(bytes, "");
   EXPECT_TRUE(texture.rgba8.empty());
-  EXPECT_THAT(texture.rgba_float,
-              ElementsAre(FloatEq(32768.0f / 65535.0f), 1.0f, FloatEq(1.0f / 65535.0f),
-                          FloatEq(16384.0f / 65535.0f)));
+  EXPECT_THAT(texture.rgba16, ElementsAre(32768, 65535, 1, 16384));
 }
 
 TEST(Texture, gamma_chunk_does_not_change_codes) {
@@ -206,7 +204,7 @@ TEST(Texture, damaged_bytes_give_a_texture_or_an_input_error) {
       try {
         const DecodedTexture texture = decode_texture(damaged, "");
         EXPECT_EQ(
-            texture.rgba8.size() + texture.rgba_float.size(),
+            texture.rgba8.size() + texture.rgba16.size(),
             static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height) * 4);
       } catch (const Error& error) {
         EXPECT_EQ(error.detail().kind, ErrorKind::Input);

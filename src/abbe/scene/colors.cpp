@@ -43,8 +43,8 @@ void for_each_color(const TextureImage& image, const Mat3d& to_rec709, const Use
   const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
   if (image.rgba8.empty()) {
     for (std::size_t i = 0; i < count; ++i) {
-      const float* texel = &image.rgba_float[4 * i];
-      use(decoded(texel[0], texel[1], texel[2]), 1);
+      const std::uint16_t* texel = &image.rgba16[4 * i];
+      use(decoded(texel[0] / 65535.0, texel[1] / 65535.0, texel[2] / 65535.0), 1);
     }
     return;
   }

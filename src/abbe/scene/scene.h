@@ -44,15 +44,15 @@ enum class TextureWrap : std::uint8_t { Repeat, MirroredRepeat, ClampToEdge };
 /// How texels become values between them: the nearest, or bilinear with mipmaps.
 enum class TextureFilter : std::uint8_t { Nearest, Linear };
 
-/// Decoded pixels, row 0 at the top, always four channels; 8-bit values are kept as they are in the
-/// file, deeper ones as floats in [0, 1].
+/// Decoded pixels, row 0 at the top, always four channels, of as many bits as the file has: codes
+/// of 255 or of 65535 are 1.
 /// Domain: at least one pixel; exactly one of the two vectors is filled.
 struct TextureImage {
   std::string name;
   int width = 0;
   int height = 0;
-  SharedValues<std::uint8_t> rgba8;  ///< width·height·4 values, or empty
-  SharedValues<float> rgba_float;    ///< width·height·4 values, or empty
+  SharedValues<std::uint8_t> rgba8;    ///< width·height·4 values, or empty
+  SharedValues<std::uint16_t> rgba16;  ///< width·height·4 values, or empty
 };
 
 /// An image with the rules of looking it up. What its values mean (sRGB-encoded colour, direction,

@@ -103,8 +103,8 @@ class Validator {
     require(image.width > 0 && image.height > 0, "an empty image", "at least one pixel");
     const std::size_t values = std::size_t{4} * static_cast<std::size_t>(image.width) *
                                static_cast<std::size_t>(image.height);
-    require(image.rgba8.size() == values ? image.rgba_float.empty()
-                                         : image.rgba8.empty() && image.rgba_float.size() == values,
+    require(image.rgba8.size() == values ? image.rgba16.empty()
+                                         : image.rgba8.empty() && image.rgba16.size() == values,
             "pixels of another number", "width x height x 4 values of one type");
   }
 

@@ -1,18 +1,21 @@
 #include "abbe/world/texture.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "abbe/color/color.h"
 
 namespace abbe {
 namespace {
 
-std::array<float, 256> srgb_decode_table() {
-  std::array<float, 256> table{};
-  for (int i = 0; i < 256; ++i) table[i] = static_cast<float>(srgb_decode(i / 255.0));
+// Of as many codes.
+std::vector<float> srgb_decode_table(int size) {
+  std::vector<float> table(static_cast<std::size_t>(size));
+  for (int i = 0; i < size; ++i) {
+    table[static_cast<std::size_t>(i)] = static_cast<float>(srgb_decode(i / (size - 1.0)));
+  }
   return table;
 }
 
@@ -40,55 +43,42 @@ int wrapped_index(int i, int size, TextureWrap wrap) {
 
 TexturePyramid::TexturePyramid(const TextureImage& image, TextureEncoding encoding,
                                bool has_mipmaps)
-    : encoding_(encoding), codes_(image.rgba8) {
-  Level base{image.width, image.height, 0};
+    : encoding_(encoding), codes8_(image.rgba8), codes16_(image.rgba16) {
+  levels_.push_back({image.width, image.height, 0});
   const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
-  if (!codes_.empty()) {
-    is_opaque_ = true;
+  const auto look = [&](auto& codes, int opaque) {
     bool is_uniform = true;
     for (std::size_t i = 0; i < count; ++i) {
-      const std::uint8_t* const texel = codes_.data() + 4 * i;
-      is_opaque_ = is_opaque_ && texel[3] == 255;
-      is_uniform = is_uniform && std::equal(texel, texel + 4, codes_.data());
+      const auto* const texel = codes.data() + 4 * i;
+      is_opaque_ = is_opaque_ && texel[3] == opaque;
+      is_uniform = is_uniform && std::equal(texel, texel + 4, codes.data());
     }
     // One texel shows the same.
     if (is_uniform) {
-      base = {1, 1, 0};
-      codes_ = SharedValues<std::uint8_t>{codes_[0], codes_[1], codes_[2], codes_[3]};
+      levels_.front() = {1, 1, 0};
+      codes = {codes[0], codes[1], codes[2], codes[3]};
     }
+  };
+  if (codes16_.empty()) {
+    look(codes8_, 255);
   } else {
-    floats_.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      for (int c = 0; c < 4; ++c) {
-        const float code = image.rgba_float[4 * i + static_cast<std::size_t>(c)];
-        const bool decode = encoding == TextureEncoding::Srgb && c < 3;
-        floats_[i][c] = decode ? static_cast<float>(srgb_decode(code)) : code;
-      }
-    }
+    look(codes16_, 65535);
   }
-  levels_.push_back(base);
-  if (!has_mipmaps) return;
-  if (codes_.empty()) {
-    add_mipmaps([&](const Vec4f& mean) { floats_.push_back(mean); });
-    return;
-  }
-  mipmaps_.reserve((count / 3 + 64) * (is_opaque_ ? 3u : 4u));
-  add_mipmaps([&](const Vec4f& mean) {
-    for (int c = 0; c < (is_opaque_ ? 3 : 4); ++c) {
-      mipmaps_.push_back(static_cast<std::uint16_t>(mean[c] * 65535.0f + 0.5f));
-    }
-  });
-  mipmaps_.shrink_to_fit();
+  if (has_mipmaps) add_mipmaps();
 }
 
 // Each texel is the mean of the texels it covers, so that odd sizes keep their mean, too.
-template <class Store>
-void TexturePyramid::add_mipmaps(const Store& store) {
-  std::size_t offset = codes_.empty() ? floats_.size() : 0;
-  while (levels_.back().width > 1 || levels_.back().height > 1) {
-    const Level above = levels_.back();
-    const Level level{std::max(1, above.width / 2), std::max(1, above.height / 2), offset, true};
+void TexturePyramid::add_mipmaps() {
+  const std::size_t channels = is_opaque_ ? 3 : 4;
+  std::size_t offset = 0;
+  for (Level level = levels_.back(); level.width > 1 || level.height > 1;) {
+    level = {std::max(1, level.width / 2), std::max(1, level.height / 2), offset, true};
     offset += static_cast<std::size_t>(level.width) * level.height;
+    levels_.push_back(level);
+  }
+  mipmaps_.reserve(channels * offset);
+  for (std::size_t i = 1; i < levels_.size(); ++i) {
+    const Level above = levels_[i - 1], level = levels_[i];
     for (int y = 0; y < level.height; ++y) {
       const int y0 = y * above.height / level.height;
       const int y1 = std::max(y0 + 1, (y + 1) * above.height / level.height);
@@ -99,30 +89,39 @@ void TexturePyramid::add_mipmaps(const Store& store) {
         for (int v = y0; v < y1; ++v) {
           for (int u = x0; u < x1; ++u) sum += texel(above, u, v);
         }
-        store(sum / static_cast<float>((x1 - x0) * (y1 - y0)));
+        const Vec4f mean = sum / static_cast<float>((x1 - x0) * (y1 - y0));
+        for (std::size_t c = 0; c < channels; ++c) {
+          mipmaps_.push_back(
+              static_cast<std::uint16_t>(mean[static_cast<int>(c)] * 65535.0f + 0.5f));
+        }
       }
     }
-    levels_.push_back(level);
   }
 }
 
 Vec4f TexturePyramid::texel(const Level& level, int x, int y) const {
-  static const std::array<float, 256> kDecoded = srgb_decode_table();
   const std::size_t number = level.offset + static_cast<std::size_t>(y) * level.width + x;
-  if (codes_.empty()) return floats_[number];
+  const auto share = [](std::uint16_t code) { return static_cast<float>(code) / 65535.0f; };
   if (level.is_mipmap) {
     const std::uint16_t* const value = mipmaps_.data() + (is_opaque_ ? 3 : 4) * number;
-    const auto share = [&](int c) { return static_cast<float>(value[c]) / 65535.0f; };
-    return {share(0), share(1), share(2), is_opaque_ ? 1.0f : share(3)};
+    return {share(value[0]), share(value[1]), share(value[2]), is_opaque_ ? 1.0f : share(value[3])};
   }
-  const std::uint8_t* const code = codes_.data() + 4 * number;
+  const bool is_data = encoding_ == TextureEncoding::Data;
+  if (codes8_.empty()) {
+    static const std::vector<float> kDecoded = srgb_decode_table(65536);
+    const std::uint16_t* const code = codes16_.data() + 4 * number;
+    if (is_data) return {share(code[0]), share(code[1]), share(code[2]), share(code[3])};
+    return {kDecoded[code[0]], kDecoded[code[1]], kDecoded[code[2]], share(code[3])};
+  }
+  static const std::vector<float> kDecoded = srgb_decode_table(256);
+  const std::uint8_t* const code = codes8_.data() + 4 * number;
   const auto plain = [&](int c) { return static_cast<float>(code[c]) / 255.0f; };
-  if (encoding_ == TextureEncoding::Data) return {plain(0), plain(1), plain(2), plain(3)};
+  if (is_data) return {plain(0), plain(1), plain(2), plain(3)};
   return {kDecoded[code[0]], kDecoded[code[1]], kDecoded[code[2]], plain(3)};
 }
 
 std::size_t TexturePyramid::bytes() const {
-  return codes_.size() + mipmaps_.size() * sizeof(std::uint16_t) + floats_.size() * sizeof(Vec4f);
+  return codes8_.size() + (codes16_.size() + mipmaps_.size()) * sizeof(std::uint16_t);
 }
 
 WorldTexture::WorldTexture(const TextureImage& image, const Texture& texture,

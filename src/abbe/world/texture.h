@@ -19,14 +19,14 @@ enum class TextureEncoding : std::uint8_t {
   Data,  ///< Plain numbers.
 };
 
-/// An image's texels, at its own size and at halves of it down to one. Images of 8 bits keep their
-/// codes, in memory that they share with the scene; their smaller levels are linear, of 16 bits: a
-/// mean of texels is off by at most 2^-17 a level. Others are linear floats.
+/// An image's texels, at its own size and at halves of it down to one. The first level are the
+/// image's codes, in memory that they share with the scene; smaller levels are linear, of 16 bits:
+/// a mean of texels is off by at most 2^-17 a level.
 class TexturePyramid {
  public:
   struct Level {
     int width = 0, height = 0;
-    std::size_t offset = 0;  ///< Of its first texel among those stored alike.
+    std::size_t offset = 0;  ///< Of its first texel among those of all smaller levels.
     bool is_mipmap = false;
   };
 
@@ -39,15 +39,14 @@ class TexturePyramid {
   std::size_t bytes() const;
 
  private:
-  template <class Store>
-  void add_mipmaps(const Store& store);
+  void add_mipmaps();
 
   std::vector<Level> levels_;
   TextureEncoding encoding_;
-  SharedValues<std::uint8_t> codes_;  // Of the first level, if it has codes; else it is in floats_.
-  bool is_opaque_ = false;            // Alpha is 1 everywhere: mipmaps_ has three values a texel.
+  SharedValues<std::uint8_t> codes8_;  // Of the first level; one of these two is empty.
+  SharedValues<std::uint16_t> codes16_;
+  bool is_opaque_ = true;  // Alpha is 1 everywhere: mipmaps_ has three values a texel.
   std::vector<std::uint16_t> mipmaps_;
-  std::vector<Vec4f> floats_;
 };
 
 /// A texture, mipmapped where it is filtered.

@@ -77,7 +77,7 @@ Description describe_texture(const Texture& texture, std::size_t number, const S
   Description out;
   out["name"] = name_or_number(image.name, number);
   out["size"] = fmt::format("{}x{}", image.width, image.height);
-  out["values"] = image.rgba_float.empty() ? "8 bit" : "float";
+  out["values"] = image.rgba16.empty() ? "8 bit" : "16 bit";
   return out;
 }
 

@@ -30,12 +30,12 @@ struct RasterOptions {
 void write_raster(const std::filesystem::path& file, const Image& rgb_encoded,
                   const RasterOptions& options = {});
 
-/// A decoded texture: 8-bit files keep their codes, deeper ones become floats in [0, 1].
+/// A decoded texture: codes of 8 bits, or of 16 where the file has more than 8.
 struct DecodedTexture {
   int width = 0;
   int height = 0;
-  std::vector<std::uint8_t> rgba8;  ///< width·height·4 values, or empty
-  std::vector<float> rgba_float;    ///< width·height·4 values, or empty
+  std::vector<std::uint8_t> rgba8;    ///< width·height·4 values, or empty
+  std::vector<std::uint16_t> rgba16;  ///< width·height·4 values, or empty
 };
 
 /// Decodes a PNG, JPEG or WebP held in memory (glTF allows no others); row 0 at the top, grey and

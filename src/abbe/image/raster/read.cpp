@@ -133,7 +133,7 @@ DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::st
     const bool is_associated = spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
     if (kind == TextureFormat::WebP && is_associated) divide_by_alpha(texture.rgba8);
   } else {
-    texture.rgba_float = decode(OIIO::TypeDesc::FLOAT, 1.0f);
+    texture.rgba16 = decode(OIIO::TypeDesc::UINT16, std::uint16_t{65535});
   }
   return texture;
 }

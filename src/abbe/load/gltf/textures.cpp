@@ -151,7 +151,7 @@ std::optional<std::uint32_t> Textures::image(int index, const std::string& user)
   image.width = decoded.width;
   image.height = decoded.height;
   image.rgba8 = std::move(decoded.rgba8);
-  image.rgba_float = std::move(decoded.rgba_float);
+  image.rgba16 = std::move(decoded.rgba16);
   const auto result = static_cast<std::uint32_t>(scene_.images.size());
   scene_.images.push_back(std::move(image));
   images_.emplace(index, result);

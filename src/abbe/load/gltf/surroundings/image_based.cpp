@@ -37,7 +37,8 @@ Face read_face(const DecodedTexture& image, const std::string& where) {
   Face face{image.width, false, {}};
   const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
   const auto channel = [&](std::size_t i) {
-    return image.rgba8.empty() ? image.rgba_float[i] : static_cast<float>(image.rgba8[i]) / 255.0f;
+    return image.rgba8.empty() ? static_cast<float>(image.rgba16[i]) / 65535.0f
+                               : static_cast<float>(image.rgba8[i]) / 255.0f;
   };
   for (std::size_t i = 0; i < count && !face.is_hdr; ++i) {
     face.is_hdr = channel(4 * i + 3) < 1.0f;

@@ -124,6 +124,36 @@ TEST(WorldTexture, codes_are_shared_with_the_scene_and_mipmaps_take_half_as_much
   EXPECT_EQ(copy.rgba8.data(), image.rgba8.data());
 }
 
+TEST(WorldTexture, texels_in_a_store_are_those_in_memory_of_8_and_16_bits) {
+  const auto store = PageStore::open(0);
+  std::vector<std::uint8_t> codes(std::size_t{4} * 50 * 30);
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    codes[i] = static_cast<std::uint8_t>(i * 37 % 251);
+  }
+  std::vector<std::uint16_t> deep(codes.begin(), codes.end());
+  for (std::uint16_t& code : deep) code = static_cast<std::uint16_t>(257 * code);
+  TextureImage in_memory, in_store, of_16_bits;
+  for (TextureImage* image : {&in_memory, &in_store, &of_16_bits}) {
+    image->width = 50;
+    image->height = 30;
+  }
+  in_memory.rgba8 = codes;
+  in_store.rgba8 = SharedValues<std::uint8_t>(codes, store);
+  of_16_bits.rgba16 = SharedValues<std::uint16_t>(deep, store);
+  for (const TextureEncoding encoding : {TextureEncoding::Srgb, TextureEncoding::Data}) {
+    const WorldTexture expected(in_memory, {}, encoding), found(in_store, {}, encoding),
+        deeper(of_16_bits, {}, encoding);
+    for (int i = 0; i < 200; ++i) {
+      const Vec2f uv(0.37f * static_cast<float>(i), 0.11f * static_cast<float>(i));
+      const float footprint = 0.002f * static_cast<float>(i);
+      if (i % 50 == 0) store->let_go();
+      EXPECT_EQ(found.value(uv, footprint), expected.value(uv, footprint));
+      // 257 c / 65535 is c / 255 but for a rounding.
+      EXPECT_LT(glm::distance(deeper.value(uv, footprint), expected.value(uv, footprint)), 1e-6f);
+    }
+  }
+}
+
 TEST(WorldTexture, image_of_one_color_takes_one_texel) {
   TextureImage image;
   image.width = image.height = 256;

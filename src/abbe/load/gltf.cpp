@@ -122,7 +122,7 @@ Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
   Scene scene;
   gltf::Accessors accessors(document, model);
   gltf::Spectra spectra(document, catalogue);
-  gltf::Textures textures(document, model, accessors, scene);
+  gltf::Textures textures(document, model, accessors, options.texture_memory, scene);
   textures.check_uris();
   const gltf::Json* materials = gltf::find(&document.json(), "materials");
   for (std::size_t i = 0; materials != nullptr && i < materials->size(); ++i) {

@@ -1,6 +1,7 @@
 /// glTF 2.0 files, .gltf and .glb, into scenes.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -19,6 +20,8 @@ struct LoadOptions {
   std::string animation = {};  ///< By name, or by number from 0; empty: all of them.
   std::string variant = {};    ///< Of KHR_materials_variants, by name; empty: none.
   bool strict = false;         ///< What viewers put up with is an error instead of a warning.
+  /// About how many bytes textures may take of the memory; what is beyond lies in a PageStore.
+  std::uint64_t texture_memory = std::uint64_t{1} << 30;
 };
 
 /// Reads, checks and understands a glTF file. Everything ignored or approximated becomes a note.

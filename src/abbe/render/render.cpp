@@ -1,4 +1,5 @@
 #include "abbe/render/render.h"
+#include "abbe/base/paged.h"
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
@@ -171,6 +172,7 @@ class Renderer {
         complete.store(false, std::memory_order_relaxed);
         return;
       }
+      let_go_of_pages();
       if (!progress) return;
       const std::scoped_lock lock(progress_mutex);
       pixels_done += static_cast<std::size_t>(tiles[i].width()) * tiles[i].height();

@@ -92,6 +92,7 @@ Camera camera_at_rest(const SceneChoice& choice, const Catalogue& catalogue,
                       const Vec3d& origin_m) {
   LoadOptions load;
   if (!choice.scene.empty()) load.scene_name = choice.scene;
+  load.texture_memory = choice.texture_memory;
   Notes said_already;
   Camera camera = framing_camera(load_gltf(choice.file, catalogue, load, said_already));
   camera.to_world[3] -= Vec4d(origin_m, 0.0);
@@ -163,6 +164,7 @@ std::string PreparedScene::camera_name() const {
 PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogue, Notes& notes) {
   LoadOptions load;
   load.strict = choice.strict;
+  load.texture_memory = choice.texture_memory;
   load.time_s = choice.time_s;
   load.animation = choice.animation;
   load.variant = choice.variant;

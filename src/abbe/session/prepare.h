@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -25,7 +26,9 @@ struct SceneChoice {
   std::string animation = {};  ///< By name or number; empty: all, the first of those that collide.
   std::string variant = {};    ///< Set of materials, by name; empty: what the file shows first.
   bool strict = false;         ///< What viewers put up with in a file is an error.
-  std::string lamp = {};       ///< Spectrum of the catalogue for all lamps; empty: the scene's own.
+  /// About how many bytes textures may take of the memory; the image is the same.
+  std::uint64_t texture_memory = std::uint64_t{1} << 30;
+  std::string lamp = {};  ///< Spectrum of the catalogue for all lamps; empty: the scene's own.
   /// An image of light from all around, instead of what the file has; empty: the file's own.
   std::filesystem::path environment = {};
   Rig rig = Rig::Auto;

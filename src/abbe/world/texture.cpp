@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "abbe/base/paged.h"
 #include "abbe/color/color.h"
 
 namespace abbe {
@@ -65,6 +66,7 @@ TexturePyramid::TexturePyramid(const TextureImage& image, TextureEncoding encodi
     look(codes16_, 65535);
   }
   if (has_mipmaps) add_mipmaps();
+  let_go_of_pages();
 }
 
 // Each texel is the mean of the texels it covers, so that odd sizes keep their mean, too.
@@ -76,7 +78,9 @@ void TexturePyramid::add_mipmaps() {
     offset += static_cast<std::size_t>(level.width) * level.height;
     levels_.push_back(level);
   }
-  mipmaps_.reserve(channels * offset);
+  std::vector<std::uint16_t> mipmaps(channels * offset);
+  smaller_ = mipmaps.data();
+  auto next = mipmaps.begin();
   for (std::size_t i = 1; i < levels_.size(); ++i) {
     const Level above = levels_[i - 1], level = levels_[i];
     for (int y = 0; y < level.height; ++y) {
@@ -91,19 +95,21 @@ void TexturePyramid::add_mipmaps() {
         }
         const Vec4f mean = sum / static_cast<float>((x1 - x0) * (y1 - y0));
         for (std::size_t c = 0; c < channels; ++c) {
-          mipmaps_.push_back(
-              static_cast<std::uint16_t>(mean[static_cast<int>(c)] * 65535.0f + 0.5f));
+          *next++ = static_cast<std::uint16_t>(mean[static_cast<int>(c)] * 65535.0f + 0.5f);
         }
       }
     }
   }
+  const auto store = codes8_.empty() ? codes16_.store() : codes8_.store();
+  mipmaps_ = SharedValues<std::uint16_t>(std::move(mipmaps), store);
+  smaller_ = mipmaps_.data();
 }
 
 Vec4f TexturePyramid::texel(const Level& level, int x, int y) const {
   const std::size_t number = level.offset + static_cast<std::size_t>(y) * level.width + x;
   const auto share = [](std::uint16_t code) { return static_cast<float>(code) / 65535.0f; };
   if (level.is_mipmap) {
-    const std::uint16_t* const value = mipmaps_.data() + (is_opaque_ ? 3 : 4) * number;
+    const std::uint16_t* const value = smaller_ + (is_opaque_ ? 3 : 4) * number;
     return {share(value[0]), share(value[1]), share(value[2]), is_opaque_ ? 1.0f : share(value[3])};
   }
   const bool is_data = encoding_ == TextureEncoding::Data;

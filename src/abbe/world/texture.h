@@ -46,7 +46,8 @@ class TexturePyramid {
   SharedValues<std::uint8_t> codes8_;  // Of the first level; one of these two is empty.
   SharedValues<std::uint16_t> codes16_;
   bool is_opaque_ = true;  // Alpha is 1 everywhere: mipmaps_ has three values a texel.
-  std::vector<std::uint16_t> mipmaps_;
+  SharedValues<std::uint16_t> mipmaps_;     // Where the codes are: in memory, or in a store.
+  const std::uint16_t* smaller_ = nullptr;  // mipmaps_, also while they are made.
 };
 
 /// A texture, mipmapped where it is filtered.

@@ -25,6 +25,13 @@ void add_reading_options(CLI::App& command, SceneChoice& choice) {
             "set of materials of the file to show (default: what it shows first)");
   command.add_flag("--strict", choice.strict,
                    "what viewers put up with in a file is an error instead of a warning");
+  command
+      .add_option(
+          "--texture-memory", choice.texture_memory,
+          "about how much memory textures may take, as 512MB or 4GB; what is beyond lies in "
+          "a file in TMPDIR or /var/tmp, and the image is the same (default: 1GB)")
+      ->type_name("SIZE")
+      ->transform(CLI::AsSizeValue(false));
 }
 
 void add_view_options(CLI::App& command, SceneOptions& options) {

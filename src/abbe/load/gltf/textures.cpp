@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "abbe/base/error.h"
-#include "abbe/image/raster/raster.h"
 #include "abbe/load/gltf/document/check.h"
 #include "abbe/load/gltf/document/images.h"
 
@@ -128,16 +127,14 @@ std::optional<std::uint32_t> Textures::image(int index, const std::string& user)
   if (known != images_.end()) return known->second;
 
   const std::string pointer = fmt::format("/images/{}", index);
+  // Images that share their bytes share their pixels: a small file must not fill the memory.
+  const auto of_file = decoded_files_.find(image_file(document_, index));
+  if (of_file != decoded_files_.end()) return images_.emplace(index, of_file->second).first->second;
   const auto found = image_bytes(document_, accessors_, index, "the texture used by " + user);
   if (!found) return images_.emplace(index, std::nullopt).first->second;
-  const Bytes bytes = *found;
-  // Images that share their bytes share their pixels: a small file must not fill the memory.
-  const auto same = decoded_.find(bytes.data());
-  if (same != decoded_.end()) {
-    images_.emplace(index, same->second);
-    return same->second;
-  }
-  DecodedTexture decoded = decode_texture(bytes, document_.where(pointer));
+  const auto same = decoded_.find(found->bytes.data());
+  if (same != decoded_.end()) return images_.emplace(index, same->second).first->second;
+  DecodedTexture decoded = decode_texture(found->bytes, document_.where(pointer));
   constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 29;
   pixels_ += static_cast<std::uint64_t>(decoded.width) * static_cast<std::uint64_t>(decoded.height);
   if (pixels_ > kMaxPixels) {
@@ -146,17 +143,32 @@ std::optional<std::uint32_t> Textures::image(int index, const std::string& user)
   }
   const Json& source = document_.json()["images"][static_cast<std::size_t>(index)];
   const Json* name = find(&source, "name");
-  TextureImage image;
+  TextureImage image = keep(std::move(decoded));
   image.name = name != nullptr ? name->get<std::string>() : fmt::format("image {}", index);
-  image.width = decoded.width;
-  image.height = decoded.height;
-  image.rgba8 = std::move(decoded.rgba8);
-  image.rgba16 = std::move(decoded.rgba16);
   const auto result = static_cast<std::uint32_t>(scene_.images.size());
   scene_.images.push_back(std::move(image));
   images_.emplace(index, result);
-  decoded_.emplace(bytes.data(), result);
+  if (found->file.empty()) {
+    decoded_.emplace(found->bytes.data(), result);
+  } else {
+    decoded_files_.emplace(found->file, result);
+  }
   return result;
+}
+
+TextureImage Textures::keep(DecodedTexture decoded) {
+  TextureImage image;
+  image.width = decoded.width;
+  image.height = decoded.height;
+  // Smaller levels take half as much of it (world/texture.h). Of the memory one half is for what
+  // stays, one for the pages of what does not.
+  const std::uint64_t bytes = decoded.rgba8.size() + 2 * decoded.rgba16.size();
+  bytes_ += bytes + bytes / 2;
+  if (bytes_ > memory_ / 2 && !store_) store_ = PageStore::open(memory_ / 2);
+  const std::shared_ptr<PageStore> store = bytes_ > memory_ / 2 ? store_ : nullptr;
+  image.rgba8 = SharedValues<std::uint8_t>(std::move(decoded.rgba8), store);
+  image.rgba16 = SharedValues<std::uint16_t>(std::move(decoded.rgba16), store);
+  return image;
 }
 
 void Textures::check_uris() const {

@@ -159,9 +159,13 @@ Bytes Document::split_glb(Bytes file) {
   return json;
 }
 
-Bytes Document::keep(std::vector<std::uint8_t> bytes) {
+void Document::count(Bytes bytes) {
   bytes_read_ += bytes.size();
   hash_ = hash_bytes(bytes.data(), bytes.size(), hash_);
+}
+
+Bytes Document::keep(std::vector<std::uint8_t> bytes) {
+  count(bytes);
   kept_.push_back(std::move(bytes));
   return kept_.back();
 }

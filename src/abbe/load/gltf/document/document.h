@@ -6,8 +6,10 @@
 #include <deque>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -60,6 +62,10 @@ class Document {
   /// The bytes of a file returned by resolve_uri or resolve_path.
   Bytes read_resolved(const std::filesystem::path& file, const std::string& pointer);
 
+  /// The same, not kept: they are read anew when they are asked for again, and count only once.
+  std::shared_ptr<const std::vector<std::uint8_t>> read_once(const std::filesystem::path& file,
+                                                             const std::string& pointer);
+
   /// Bytes of all files read so far.
   std::uint64_t bytes_read() const { return bytes_read_; }
   /// Hash over them, 16 hex digits.
@@ -75,6 +81,7 @@ class Document {
   const std::optional<Error>& first_fault() const { return first_fault_; }
 
  private:
+  void count(Bytes bytes);
   Bytes keep(std::vector<std::uint8_t> bytes);
   Bytes split_glb(Bytes file);
   std::filesystem::path checked_relative(const std::string& path, const std::string& pointer) const;
@@ -85,6 +92,7 @@ class Document {
   std::filesystem::path folder_;
   std::deque<std::vector<std::uint8_t>> kept_;
   std::map<std::filesystem::path, Bytes> files_;
+  std::set<std::filesystem::path> read_once_;
   std::optional<Bytes> binary_chunk_;
   Json json_;
   std::uint64_t bytes_read_ = 0;

@@ -36,8 +36,17 @@ void warn_of_label(Document& document, Bytes bytes, const std::string& label,
 
 }  // namespace
 
-std::optional<Bytes> image_bytes(Document& document, Accessors& accessors, int index,
-                                 const std::string& user) {
+std::filesystem::path image_file(const Document& document, int index) {
+  const std::string pointer = fmt::format("/images/{}/uri", index);
+  const Json* uri = find(&document.json()["images"][static_cast<std::size_t>(index)], "uri");
+  if (uri == nullptr) return {};
+  const auto& text = uri->get_ref<const std::string&>();
+  if (text.starts_with("data:") || !document.has_uri(text, pointer)) return {};
+  return document.resolve_uri(text, pointer);
+}
+
+std::optional<ImageBytes> image_bytes(Document& document, Accessors& accessors, int index,
+                                      const std::string& user) {
   const std::string pointer = fmt::format("/images/{}", index);
   const Json& source = document.json()["images"][static_cast<std::size_t>(index)];
   const Json* uri = find(&source, "uri");
@@ -50,9 +59,18 @@ std::optional<Bytes> image_bytes(Document& document, Accessors& accessors, int i
                    user + " is ignored");
     return std::nullopt;
   }
-  const Bytes bytes = uri != nullptr
-                          ? document.read_uri(uri->get_ref<const std::string&>(), pointer + "/uri")
-                          : accessors.view(view->get<int>(), pointer);
+  ImageBytes result{{}, image_file(document, index), {}};
+  if (!result.file.empty()) {
+    // Once decoded its bytes are not needed again.
+    const auto read = document.read_once(result.file, pointer + "/uri");
+    result.bytes = *read;
+    result.owner = read;
+  } else if (uri != nullptr) {
+    result.bytes = document.read_uri(uri->get_ref<const std::string&>(), pointer + "/uri");
+  } else {
+    result.bytes = accessors.view(view->get<int>(), pointer);
+  }
+  const Bytes bytes = result.bytes;
   const Json* mime = find(&source, "mimeType");
   warn_of_label(document, bytes,
                 mime != nullptr  ? mime->get<std::string>()
@@ -63,7 +81,7 @@ std::optional<Bytes> image_bytes(Document& document, Accessors& accessors, int i
     document.fault(pointer, "a WebP image", "PNG or JPEG, or EXT_texture_webp",
                    "it is read all the same");
   }
-  return bytes;
+  return result;
 }
 
 }  // namespace abbe::gltf

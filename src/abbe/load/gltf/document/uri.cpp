@@ -194,4 +194,12 @@ Bytes Document::read_resolved(const fs::path& file, const std::string& pointer) 
   return bytes;
 }
 
+std::shared_ptr<const std::vector<std::uint8_t>> Document::read_once(const fs::path& file,
+                                                                     const std::string& pointer) {
+  auto bytes = std::make_shared<const std::vector<std::uint8_t>>(
+      read_file(file, where(pointer), kMaxFileBytes));
+  if (read_once_.insert(file).second) count(*bytes);
+  return bytes;
+}
+
 }  // namespace abbe::gltf

@@ -94,10 +94,11 @@ void apply_image_based_light(Document& document, Accessors& accessors, int scene
   bool is_hdr = false;
   for (std::size_t i = 0; i < 6; ++i) {
     const std::string place = fmt::format("{}/specularImages/0/{}", pointer, i);
-    const auto bytes =
+    const auto image =
         image_bytes(document, accessors, faces[i].get<int>(), "the environment " + pointer);
-    if (!bytes) return;
-    Face face = read_face(decode_texture(*bytes, document.where(place)), document.where(place));
+    if (!image) return;
+    Face face =
+        read_face(decode_texture(image->bytes, document.where(place)), document.where(place));
     constexpr int kMaxSize = 4096;  // An equirectangular image of kMaxEnvironmentTexels.
     static_assert(std::int64_t{8} * kMaxSize * kMaxSize <= kMaxEnvironmentTexels);
     if (face.size > kMaxSize || (i > 0 && face.size != cube.size)) {

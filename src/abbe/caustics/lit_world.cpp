@@ -15,7 +15,7 @@ namespace {
 // Exact light is dear where many bodies see each other: who waits is to know for what, and how not
 // to.
 void tell_cost(const FlatCaustics& flat, Notes& notes) {
-  constexpr std::size_t kMany = 2000;
+  constexpr std::size_t kMany = 750;
   const std::size_t count = flat.parallel.chains.size() + flat.point.chains.size();
   if (count < kMany) return;
   notes.info("",

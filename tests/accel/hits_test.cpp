@@ -41,6 +41,7 @@ TEST(Accelerators, all_answer_alike_to_the_bit) {
   for (std::size_t i = 0; i < world.spans().primitive_count(); ++i) {
     world.masks.push_back(i % 3 == 0 ? kOpaqueBit : kTransparentBit);
   }
+  for (std::size_t i = 0; i < world.triangles.size(); ++i) world.front_only.push_back(i % 2 == 0 ? 1 : 0);
   std::vector<Ray> rays = random_rays(random, 4000);
   make_directions_awkward(random, rays);
   const auto first = build_accelerator(accelerator_names().front(), world.spans());
@@ -120,6 +121,55 @@ TEST_P(Hits, masked_primitives_are_passed_through) {
     SCOPED_TRACE(testing::Message() << "mask " << int{mask});
     expect_right_answers(world, *accelerator, rays, mask);
   }
+}
+
+TEST_P(Hits, triangles_of_one_side_are_not_there_from_behind) {
+  Random random(21);
+  World world = random_triangles(random, 500, 0.4f);
+  for (int i = 0; i < 20; ++i) world.add_ellipsoid(Vec3d(random.in_cube(1.0f)), Vec3d(0.2));
+  for (std::size_t i = 0; i < world.triangles.size(); ++i) {
+    world.front_only.push_back(i % 3 == 0 ? 0 : 1);
+  }
+  for (std::size_t i = 0; i < world.spans().primitive_count(); ++i) {
+    world.masks.push_back(i % 2 == 0 ? kOpaqueBit : kTransparentBit);
+  }
+  std::vector<Ray> rays = random_rays(random, 2000);
+  make_directions_awkward(random, rays);
+  const auto accelerator = build(world);
+  for (const QueryMask sides : {QueryMask{0}, kCullBack, kCullFront}) {
+    for (const VisibilityMask bits : {kOpaqueBit, kAllBits}) {
+      const auto mask = static_cast<QueryMask>(bits | sides);
+      SCOPED_TRACE(testing::Message() << "mask " << int{mask});
+      expect_right_answers(world, *accelerator, rays, mask);
+      expect_right_lists(world, *accelerator, rays, mask, kOpaqueBit);
+    }
+  }
+}
+
+TEST_P(Hits, closed_mesh_of_one_side_is_seen_from_outside_and_not_from_inside) {
+  World world = closed_sphere(3, Vec3f(0.0f), 1.0f, 0.0f);
+  world.front_only.assign(world.triangles.size(), 1);
+  Random random(5);
+  std::vector<Ray> from_outside, from_inside;
+  for (int i = 0; i < 512; ++i) {
+    const Vec3f direction = random.direction();
+    from_outside.push_back({-3.0f * direction, kInfinity, direction});
+    from_inside.push_back({0.2f * random.in_cube(1.0f), kInfinity, direction});
+  }
+  const auto accelerator = build(world);
+  std::vector<Hit> hits(from_outside.size());
+  const auto ask = [&](const std::vector<Ray>& rays, QueryMask sides) {
+    accelerator->closest_hits(rays, static_cast<QueryMask>(kAllBits | sides), hits);
+  };
+  ask(from_outside, kCullBack);
+  for (const Hit& hit : hits) EXPECT_NEAR(hit.t, 2.0f, 0.01f);  // Facets are within 1 % of it.
+  ask(from_inside, kCullBack);
+  for (const Hit& hit : hits) EXPECT_FALSE(hit.is_hit()) << text_of(hit);
+  // Light that comes the other way meets what it meets from the front.
+  ask(from_outside, kCullFront);
+  for (const Hit& hit : hits) EXPECT_NEAR(hit.t, 4.0f, 0.01f);
+  ask(from_inside, kCullFront);
+  for (const Hit& hit : hits) EXPECT_TRUE(hit.is_hit());
 }
 
 TEST_P(Hits, mask_that_shares_a_bit_with_all_primitives_sees_all) {

@@ -20,8 +20,11 @@ struct World {
   std::vector<ConvexPolyhedron> polyhedra;
   std::vector<Plane> planes;
   std::vector<VisibilityMask> masks;
+  std::vector<std::uint8_t> front_only;
 
-  ShapeSpans spans() const { return {positions, triangles, ellipsoids, polyhedra, planes, masks}; }
+  ShapeSpans spans() const {
+    return {positions, triangles, ellipsoids, polyhedra, planes, masks, front_only};
+  }
   void add_triangle(const Vec3f& a, const Vec3f& b, const Vec3f& c);
   /// A sphere of the given radii along x, y, z.
   void add_ellipsoid(const Vec3d& center, const Vec3d& radii);
@@ -31,13 +34,13 @@ struct World {
 
 /// Empty if `hit` is a right answer for the ray, else what is wrong with it. A triangle whose edge
 /// passes the ray within the rounding error of the float test may be hit or missed.
-std::string check_closest(const World& world, const Ray& ray, VisibilityMask mask, const Hit& hit);
+std::string check_closest(const World& world, const Ray& ray, QueryMask mask, const Hit& hit);
 
 /// The same for an answer of any_hits.
-std::string check_any(const World& world, const Ray& ray, VisibilityMask mask, bool is_occluded);
+std::string check_any(const World& world, const Ray& ray, QueryMask mask, bool is_occluded);
 
 /// The same for a list of all_hits.
-std::string check_all(const World& world, const Ray& ray, VisibilityMask mask, VisibilityMask stops,
+std::string check_all(const World& world, const Ray& ray, QueryMask mask, VisibilityMask stops,
                       std::span<const Hit> hits);
 
 /// A packet of up to 16 rays; the remaining lanes are inactive.
@@ -52,12 +55,12 @@ std::string text_of(const Hit& hit);
 /// Puts the rays through every form of query, compares the forms with each other and the answers
 /// with the judge's (of at most `judged` rays), and reports the first few differences as failures.
 void expect_right_answers(const World& world, const Accelerator& accelerator,
-                          std::span<const Ray> rays, VisibilityMask mask = kAllBits,
+                          std::span<const Ray> rays, QueryMask mask = kAllBits,
                           std::size_t judged = 400);
 
 /// The same for lists of all hits that end where a primitive shares a bit with `stops`.
 void expect_right_lists(const World& world, const Accelerator& accelerator,
-                        std::span<const Ray> rays, VisibilityMask mask, VisibilityMask stops,
+                        std::span<const Ray> rays, QueryMask mask, VisibilityMask stops,
                         std::size_t judged = 400);
 
 /// Tests that every accelerator has to pass; the parameter is its name.

@@ -12,6 +12,9 @@
 namespace abbe::test {
 namespace {
 
+constexpr QueryMask kFromFront = kAllBits | kCullBack;
+constexpr QueryMask kFromBehind = kAllBits | kCullFront;
+
 // Meshes in their own space, places of them, and what stands in the world besides.
 struct Placed {
   World rest;  // Its positions begin with those of the meshes.
@@ -43,6 +46,7 @@ struct Placed {
       of_solids.assign(solids, rest.masks.end());
       world.masks.resize(rest.triangles.size());
     }
+    world.front_only.resize(rest.triangles.size());
     for (const MeshPlace& place : places) {
       for (const Triangle& triangle : meshes[place.mesh]) {
         const auto corner = [&](std::size_t i) {
@@ -50,6 +54,7 @@ struct Placed {
         };
         world.add_triangle(corner(0), corner(1), corner(2));
         if (!rest.masks.empty()) world.masks.push_back(place.mask);
+        world.front_only.push_back(place.front_only ? 1 : 0);
       }
     }
     if (!rest.masks.empty()) {
@@ -117,7 +122,9 @@ Placed random_places(Random& random, int count, float spread, bool has_solids) {
   for (int i = 0; i < 40; ++i) {
     const Vec3f center = random.in_cube(spread);
     placed.rest.add_triangle(center, center + random.in_cube(1.0f), center + random.in_cube(1.0f));
+    placed.rest.front_only.push_back(i % 2 == 0 ? 1 : 0);
   }
+  for (std::size_t i = 0; i < placed.places.size(); ++i) placed.places[i].front_only = i % 3 != 0;
   if (has_solids) {
     for (int i = 0; i < 4; ++i) {
       placed.rest.add_ellipsoid(Vec3d(random.in_cube(spread)), Vec3d(0.3, 0.5, 0.4));
@@ -183,19 +190,21 @@ TEST_P(PlacedMeshesTest, hits_are_those_of_the_flat_world_but_for_rounding) {
     const auto one = build_accelerator("brute", flat.spans());
     std::vector<Ray> rays = random_rays(random, 3200, 4.0f);
     if (seed == 3) make_directions_awkward(random, rays);
-    std::vector<Hit> expected(rays.size()), hits(rays.size());
-    one->closest_hits(std::span<const Ray>(rays), kAllBits, std::span<Hit>(expected));
-    two_level->closest_hits(std::span<const Ray>(rays), kAllBits, std::span<Hit>(hits));
-    std::size_t met = 0, same = 0;
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      hits[i].primitive = placed.in_flat(hits[i].primitive);
-      expect_same(flat, rays[i], expected[i], hits[i]);
-      met += expected[i].is_hit() ? 1 : 0;
-      same += expected[i].primitive == hits[i].primitive ? 1 : 0;
+    for (const QueryMask mask : {QueryMask{kAllBits}, kFromFront, kFromBehind}) {
+      std::vector<Hit> expected(rays.size()), hits(rays.size());
+      one->closest_hits(std::span<const Ray>(rays), mask, std::span<Hit>(expected));
+      two_level->closest_hits(std::span<const Ray>(rays), mask, std::span<Hit>(hits));
+      std::size_t met = 0, same = 0;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        hits[i].primitive = placed.in_flat(hits[i].primitive);
+        expect_same(flat, rays[i], expected[i], hits[i]);
+        met += expected[i].is_hit() ? 1 : 0;
+        same += expected[i].primitive == hits[i].primitive ? 1 : 0;
+      }
+      EXPECT_GT(met, rays.size() / 4);
+      // Off edges nearly all rays agree, and few come that near to one.
+      EXPECT_GE(same, rays.size() - rays.size() / 500);
     }
-    EXPECT_GT(met, rays.size() / 4);
-    // Off edges nearly all rays agree, and few come that near to one.
-    EXPECT_GE(same, rays.size() - rays.size() / 500);
   }
 }
 
@@ -211,7 +220,8 @@ TEST_P(PlacedMeshesTest, every_form_of_query_gives_the_same_answers) {
   }
   const auto accelerator = build_accelerator(GetParam(), placed.spans());
   const std::vector<Ray> rays = random_rays(random, 1600, 4.0f);
-  for (const VisibilityMask mask : {kAllBits, kOpaqueBit, kTransparentBit}) {
+  for (const QueryMask mask : {QueryMask{kAllBits}, QueryMask{kOpaqueBit},
+                               QueryMask{kTransparentBit}, kFromFront, kFromBehind}) {
     std::vector<Hit> hits(rays.size());
     std::vector<std::uint8_t> any(rays.size());
     accelerator->closest_hits(std::span<const Ray>(rays), mask, std::span<Hit>(hits));
@@ -256,7 +266,8 @@ TEST_P(PlacedMeshesTest, every_form_of_query_gives_the_same_answers) {
       }
       // It ends with what is opaque, or because there is nothing more.
       HitLists opaque;
-      accelerator->all_hits(std::span(&rays[i], 1), static_cast<VisibilityMask>(mask & kOpaqueBit),
+      accelerator->all_hits(std::span(&rays[i], 1),
+                            static_cast<QueryMask>(mask & (kOpaqueBit | kCullBack | kCullFront)),
                             kOpaqueBit, opaque);
       if (opaque[0].empty()) {
         EXPECT_EQ(to_opaque[i].size(), lists[i].size());
@@ -275,18 +286,20 @@ TEST_P(PlacedMeshesTest, lists_hold_what_the_flat_world_has) {
   const auto two_level = build_accelerator(GetParam(), placed.spans());
   const auto one = build_accelerator("brute", flat.spans());
   const std::vector<Ray> rays = random_rays(random, 800, 4.0f);
-  HitLists lists, expected;
-  two_level->all_hits(std::span<const Ray>(rays), kAllBits, 0, lists);
-  one->all_hits(std::span<const Ray>(rays), kAllBits, 0, expected);
-  std::size_t differ = 0;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    bool is_equal = lists[i].size() == expected[i].size();
-    for (std::size_t n = 0; is_equal && n < lists[i].size(); ++n) {
-      is_equal = placed.in_flat(lists[i][n].primitive) == expected[i][n].primitive;
+  for (const QueryMask mask : {QueryMask{kAllBits}, kFromFront, kFromBehind}) {
+    HitLists lists, expected;
+    two_level->all_hits(std::span<const Ray>(rays), mask, 0, lists);
+    one->all_hits(std::span<const Ray>(rays), mask, 0, expected);
+    std::size_t differ = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      bool is_equal = lists[i].size() == expected[i].size();
+      for (std::size_t n = 0; is_equal && n < lists[i].size(); ++n) {
+        is_equal = placed.in_flat(lists[i][n].primitive) == expected[i][n].primitive;
+      }
+      differ += is_equal ? 0 : 1;
     }
-    differ += is_equal ? 0 : 1;
+    EXPECT_LE(differ, rays.size() / 200);  // Rays that pass an edge, or two faces at one place.
   }
-  EXPECT_LE(differ, rays.size() / 200);  // Rays that pass an edge, or two faces at one place.
 }
 
 TEST_P(PlacedMeshesTest, closed_mesh_lets_no_ray_out_between_its_triangles) {

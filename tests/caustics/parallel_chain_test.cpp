@@ -66,7 +66,9 @@ TEST(ParallelChain, plate_inside_coloured_glass_is_dimmed_once_by_the_way_of_the
     Material glass = test::glass("glass/schott/N-SF11");
     glass.absorption_per_m = Spectrum::constant(absorption_per_m);
     test::add_box(scene, test::add(scene, glass), {1.0, 0.05, 1.0}, test::translation({0, 0.5, 0}));
-    test::add_square(scene, test::add(scene, test::matte(Vec3f(1.0f))), 0.2,
+    Material plate = test::matte(Vec3f(1.0f));
+    plate.double_sided = true;  // Or light that the glass holds goes up through it.
+    test::add_square(scene, test::add(scene, plate), 0.2,
                      test::translation({0, 0.5, 0}) * test::rotation({1, 0, 0}, -90.0));
     return radiance(scene, line_settings(), kLine_d_nm);
   };

@@ -131,6 +131,7 @@ TEST(SharedLight, a_veil_and_a_clear_sheet_take_the_same_of_rays_and_samples) {
   Material veil = test::matte(Vec3f(0.0f));
   veil.base_color_rec709.w = 0.25f;
   veil.alpha_mode = AlphaMode::Blend;
+  veil.double_sided = true;
   veil.metallic = 0.0f;
   veil.roughness = 1.0f;
   test::add_square(veiled, test::add(veiled, veil), 3.0, lamp_place(0.5));

@@ -46,7 +46,7 @@ const std::array<Kind, 2> kKinds{{
 
 }  // namespace
 
-void Accelerator::closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+void Accelerator::closest_hits(std::span<const RayPacket> packets, QueryMask mask,
                                std::span<HitPacket> hits) const {
   const std::vector<Ray> rays = rays_of(packets);
   std::vector<Hit> found(rays.size());
@@ -60,7 +60,7 @@ void Accelerator::closest_hits(std::span<const RayPacket> packets, VisibilityMas
   }
 }
 
-void Accelerator::any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+void Accelerator::any_hits(std::span<const RayPacket> packets, QueryMask mask,
                            std::span<std::uint32_t> occluded) const {
   const std::vector<Ray> rays = rays_of(packets);
   std::vector<std::uint8_t> found(rays.size());
@@ -71,8 +71,8 @@ void Accelerator::any_hits(std::span<const RayPacket> packets, VisibilityMask ma
   }
 }
 
-void Accelerator::all_hits(std::span<const RayPacket> packets, VisibilityMask mask,
-                           VisibilityMask stops, HitLists& hits) const {
+void Accelerator::all_hits(std::span<const RayPacket> packets, QueryMask mask, VisibilityMask stops,
+                           HitLists& hits) const {
   all_hits(std::span<const Ray>(rays_of(packets)), mask, stops, hits);
 }
 

@@ -26,32 +26,32 @@ class Accelerator {
   virtual ~Accelerator() = default;
 
   /// The nearest hit of each ray.
-  virtual void closest_hits(std::span<const Ray> rays, VisibilityMask mask,
+  virtual void closest_hits(std::span<const Ray> rays, QueryMask mask,
                             std::span<Hit> hits) const = 0;
   /// Whether each ray meets anything: 1 or 0.
-  virtual void any_hits(std::span<const Ray> rays, VisibilityMask mask,
+  virtual void any_hits(std::span<const Ray> rays, QueryMask mask,
                         std::span<std::uint8_t> occluded) const = 0;
   /// All hits of each ray, the nearest first, up to and with the first of a primitive that shares a
   /// bit with `stops`: the list of ray i is hits[i]. A solid is met where the ray enters and where
   /// it leaves. Faces in contact are all in the list, in the order of their numbers.
-  virtual void all_hits(std::span<const Ray> rays, VisibilityMask mask, VisibilityMask stops,
+  virtual void all_hits(std::span<const Ray> rays, QueryMask mask, VisibilityMask stops,
                         HitLists& hits) const = 0;
 
   /// The same for packets; lanes that are not active meet nothing. Without an implementation of
   /// their own they are answered ray by ray.
-  virtual void closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+  virtual void closest_hits(std::span<const RayPacket> packets, QueryMask mask,
                             std::span<HitPacket> hits) const;
   /// Whether each lane meets anything: one bit for each.
-  virtual void any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+  virtual void any_hits(std::span<const RayPacket> packets, QueryMask mask,
                         std::span<std::uint32_t> occluded) const;
   /// The list of a lane is hits[16·packet + lane].
-  virtual void all_hits(std::span<const RayPacket> packets, VisibilityMask mask,
-                        VisibilityMask stops, HitLists& hits) const;
+  virtual void all_hits(std::span<const RayPacket> packets, QueryMask mask, VisibilityMask stops,
+                        HitLists& hits) const;
 
   /// The nearest hit of one ray; adds the work that it takes alone.
-  virtual Hit closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const = 0;
+  virtual Hit closest_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const = 0;
   /// Whether one ray meets anything, likewise.
-  virtual bool any_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const = 0;
+  virtual bool any_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const = 0;
 
   virtual std::string_view name() const = 0;  ///< One of accelerator_names().
 

@@ -42,6 +42,16 @@ inline constexpr VisibilityMask kOpaqueBit = 1;       ///< Stops light.
 inline constexpr VisibilityMask kTransparentBit = 2;  ///< Light may pass: glass, alpha.
 inline constexpr VisibilityMask kAllBits = 0xff;
 
+/// What a query sees: primitives that share a bit with it, and of triangles that are there from the
+/// front only (ShapeSpans::front_only), with neither of the bits below, both sides.
+using QueryMask = std::uint16_t;
+/// Those that a ray comes to from behind are not there: for rays of the eye, and for light where
+/// rays go its way.
+inline constexpr QueryMask kCullBack = 0x100;
+/// Those that a ray comes to from the front are not there: for light that comes towards where a ray
+/// begins, so that what stands between two places does not depend on which one is asked from.
+inline constexpr QueryMask kCullFront = 0x200;
+
 /// Triangles [first, first + count).
 struct TriangleRange {
   std::uint32_t first = 0;
@@ -55,6 +65,7 @@ struct TriangleRange {
 struct MeshPlace {
   std::uint32_t mesh = 0;
   VisibilityMask mask = kAllBits;
+  bool front_only = false;  ///< As ShapeSpans::front_only, for all its triangles.
   Mat3d linear{1.0};
   Vec3d offset_m{0.0};
 };
@@ -70,6 +81,9 @@ struct ShapeSpans {
   std::span<const Plane> planes = {};
   /// One per primitive but those of placed meshes; empty means kAllBits for all.
   std::span<const VisibilityMask> masks = {};
+  /// One per triangle: not 0 for those that are there only for what comes to them from the front,
+  /// the half-space that the normal points into. Empty: none is.
+  std::span<const std::uint8_t> front_only = {};
 
   /// Meshes that stand at several places: ranges of triangles over `positions`, which are in mesh
   /// space here.

@@ -10,7 +10,7 @@ void count_fan_cost(const World& world, const FanList& list, std::size_t first, 
     QueryCost& cost = first_hits[fan.sample].cost;
     if (!fan.spread) {
       const Ray ray{fan.origin, kInfinity, fan.direction};
-      world.accelerator->closest_hit_with_cost(ray, kAllBits, cost);
+      world.accelerator->closest_hit_with_cost(ray, kAllBits | kCullBack, cost);
       continue;
     }
     const auto lane_vector = [&](int first_array, int lane) {
@@ -20,7 +20,7 @@ void count_fan_cost(const World& world, const FanList& list, std::size_t first, 
     for (int lane = 0; lane < world.lanes.lane_count(); ++lane) {
       if (!fan.lanes.test(lane)) continue;
       const Ray ray{lane_vector(1, lane), kInfinity, lane_vector(4, lane)};
-      world.accelerator->closest_hit_with_cost(ray, kAllBits, cost);
+      world.accelerator->closest_hit_with_cost(ray, kAllBits | kCullBack, cost);
     }
   }
 }
@@ -30,7 +30,7 @@ void count_shadow_cost(const World& world, const ShadowBuffers& buffers,
   for (const ShadowJob& job : buffers.jobs) {
     QueryCost& cost = first_hits[job.sample].cost;
     const ShadowQueries& queries = buffers.queries_of(job);
-    const VisibilityMask blocking = blocking_bits(job.at_glass);
+    const auto blocking = static_cast<QueryMask>(blocking_bits(job.at_glass) | kCullFront);
     if (!job.spread) {
       world.accelerator->any_hit_with_cost(queries.rays[job.first_query], blocking, cost);
       continue;

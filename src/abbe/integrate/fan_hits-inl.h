@@ -173,7 +173,7 @@ class FanHits {
     }
     b_.hits.resize(b_.rays.size());
     if (!b_.rays.empty()) {
-      world_.accelerator->closest_hits(std::span<const Ray>(b_.rays), kAllBits,
+      world_.accelerator->closest_hits(std::span<const Ray>(b_.rays), kAllBits | kCullBack,
                                        std::span<Hit>(b_.hits));
     }
     trace_packets();
@@ -264,7 +264,7 @@ class FanHits {
   void trace_packets() {
     b_.packet_hits.resize(b_.packets.size());
     if (b_.packets.empty()) return;
-    world_.accelerator->closest_hits(std::span<const RayPacket>(b_.packets), kAllBits,
+    world_.accelerator->closest_hits(std::span<const RayPacket>(b_.packets), kAllBits | kCullBack,
                                      std::span<HitPacket>(b_.packet_hits));
   }
 

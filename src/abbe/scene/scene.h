@@ -213,6 +213,13 @@ struct Material {
   std::optional<double> ambient_factor;  ///< k_a; default: diffuse albedo × (1 − F).
   /// Of closed bodies that overlap, the one of the highest owns the space.
   std::int16_t priority = 0;
+
+  /// Whether its triangles are there from the front only, for every kind of ray: where it is not
+  /// double sided, unless light goes through it.
+  /// Source: glTF 2.0, 3.9.6; KHR_materials_volume has no back faces to cull.
+  bool is_front_only() const {
+    return !double_sided && transmission == 0.0f && !has_volume && !diffuse_transmission;
+  }
 };
 
 /// Triangles with their attributes; per-vertex vectors are empty or as long as positions.

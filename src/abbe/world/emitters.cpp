@@ -100,7 +100,8 @@ WorldEmitters::WorldEmitters(const World& world) {
     if (!material.lights_others || !material.emission) continue;
     Piece piece;
     piece.primitive = primitive;
-    piece.two_sided = material.is_two_sided;
+    // Exact shapes are there from within, too.
+    piece.two_sided = !material.is_front_only || i >= geometry.triangles.size();
     piece.weights = {Vec2f(0.0f), Vec2f(1.0f, 0.0f), Vec2f(0.0f, 1.0f)};
     std::size_t index = i;
     if (index < geometry.triangles.size()) {
@@ -187,7 +188,8 @@ void WorldEmitters::build(const World& world) {
         leaf.node.cos_cone = 1.0f;
       }
     }
-    leaf.node.power = luminance * piece.area_m2 * (piece.two_sided ? 2.0f : 1.0f);
+    const bool shines_twice = piece.two_sided && piece.primitive < world.geometry.triangles.size();
+    leaf.node.power = luminance * piece.area_m2 * (shines_twice ? 2.0f : 1.0f);
     leaf.center = leaf.node.bounds.center();
     if (leaf.node.power > 0.0f) leaves.push_back(leaf);
   }

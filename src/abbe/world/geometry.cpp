@@ -277,13 +277,15 @@ Geometry flatten(const Scene& scene, Notes& notes, const SharingRule& rule) {
   return geometry;
 }
 
-ShapeSpans Geometry::shapes(std::span<const VisibilityMask> masks) const {
+ShapeSpans Geometry::shapes(std::span<const VisibilityMask> masks,
+                            std::span<const std::uint8_t> front_only) const {
   return {.positions = positions,
           .triangles = triangles,
           .ellipsoids = ellipsoids,
           .polyhedra = polyhedra,
           .planes = planes,
           .masks = masks,
+          .front_only = front_only,
           .mesh_triangles = mesh_triangles,
           .meshes = meshes,
           .places = places};

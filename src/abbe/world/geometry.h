@@ -84,8 +84,10 @@ struct Geometry {
   /// The corners of a triangle in the world, not rounded further than they are in memory.
   std::array<Vec3d, 3> corners_of(std::uint32_t primitive) const;
 
-  /// What an accelerator is built over; `masks` one per primitive but those of shared meshes.
-  ShapeSpans shapes(std::span<const VisibilityMask> masks) const;
+  /// What an accelerator is built over; `masks` one per primitive but those of shared meshes,
+  /// `front_only` one per triangle but theirs.
+  ShapeSpans shapes(std::span<const VisibilityMask> masks,
+                    std::span<const std::uint8_t> front_only = {}) const;
   std::size_t bytes() const;
   /// Domain: a primitive of no shared mesh.
   Box3f bounds_of(std::size_t primitive) const;

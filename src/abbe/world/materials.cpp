@@ -80,7 +80,7 @@ class Tabulator {
                               ? scene_.emissive_light
                               : source.lights_others == LightsOthers::Yes;
     material.lights_others = is_asked && material.emission && !material.unlit;
-    material.is_two_sided = source.double_sided || material.transmission != Transmission::None;
+    material.is_front_only = source.is_front_only();
     return material;
   }
 

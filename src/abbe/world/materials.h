@@ -79,13 +79,13 @@ struct SurfaceMaterial {
   AlphaMode alpha_mode = AlphaMode::Opaque;
   float alpha_cutoff = 0.5f;
   bool unlit = false;
+  bool is_front_only = false;  ///< Triangles are not there for rays from behind, nor shine there.
 
   std::optional<RowId> emission;
   Vec3f emissive_rec709{0.0f};  ///< For textured emission.
   bool emission_is_textured = false;
   bool emission_is_spectrum = false;  ///< A lamp's spectrum: textures multiply it.
   bool lights_others = false;         ///< What it emits lights other surfaces.
-  bool is_two_sided = false;          ///< Its back is as its front; of glass, always.
 
   RowId index = 0;  ///< n per lane.
   bool index_is_infinite = false;

@@ -54,12 +54,27 @@ std::vector<VisibilityMask> masks_of(const Geometry& geometry,
   return masks;
 }
 
+// Which triangles are there from the front only; empty if none is.
+std::vector<std::uint8_t> front_only_triangles(const Geometry& geometry,
+                                               const std::vector<SurfaceMaterial>& materials) {
+  std::vector<std::uint8_t> flags;
+  flags.reserve(geometry.triangles.size());
+  bool any = false;
+  for (std::size_t i = 0; i < geometry.triangles.size(); ++i) {
+    const Surface& surface = geometry.surfaces[geometry.primitive_surface[i]];
+    flags.push_back(materials[surface.material].is_front_only ? 1 : 0);
+    any = any || flags.back() != 0;
+  }
+  return any ? flags : std::vector<std::uint8_t>();
+}
+
 // Of materials that stop light or have alpha: glass shares nothing.
-void set_masks_of_places(Geometry& geometry, const std::vector<SurfaceMaterial>& materials) {
+void set_up_places(Geometry& geometry, const std::vector<SurfaceMaterial>& materials) {
   for (std::size_t i = 0; i < geometry.places.size(); ++i) {
     const Surface& surface = geometry.surfaces[geometry.place_surface[i]];
     geometry.places[i].mask =
         materials[surface.material].lets_light_pass() ? kTransparentBit : kOpaqueBit;
+    geometry.places[i].front_only = materials[surface.material].is_front_only;
   }
 }
 
@@ -146,9 +161,10 @@ World make_world(TabulatedScene tables, Geometry geometry, std::span<const std::
   }
   VisibilityMask bits = 0;
   for (const VisibilityMask mask : masks) bits |= mask;
-  set_masks_of_places(geometry, tables.materials);
+  set_up_places(geometry, tables.materials);
   for (const MeshPlace& place : geometry.places) bits |= place.mask;
-  auto built = build_accelerator(accelerator, geometry.shapes(masks));
+  auto built = build_accelerator(
+      accelerator, geometry.shapes(masks, front_only_triangles(geometry, tables.materials)));
   std::vector<Touching> touching = touching_primitives(geometry, tables.materials, *built);
   World world{std::move(tables), std::move(geometry), std::move(built), bits};
   world.touching = std::move(touching);

@@ -23,7 +23,7 @@ void TestBlocks(std::span<const BlockLine> blocks, const ShearedRay& ray, AllSea
   for (std::size_t line = 0; line < blocks.size(); line += kLooseBlockLines) {
     const TriangleBlock& block = block_at(&blocks[line]);
     TestBlockOf<true>(block, ray, search.end(), result);
-    if (result.candidates != 0) ShowCandidates(block, result, search);
+    if (result.candidates != 0) ShowCandidates(block, result, ray.shear_z, search.query(), search);
   }
 }
 
@@ -58,7 +58,7 @@ BruteForce::BruteForce(const ShapeSpans& shapes)
   for (const ConvexPolyhedron& polyhedron : shapes.polyhedra) bounds_.extend(polyhedron.bounds);
 }
 
-void BruteForce::all_hits(std::span<const Ray> rays, VisibilityMask mask, VisibilityMask stops,
+void BruteForce::all_hits(std::span<const Ray> rays, QueryMask mask, VisibilityMask stops,
                           HitLists& hits) const {
   hits.clear();
   AllSearch search(visibility_, mask, stops);
@@ -74,16 +74,17 @@ void BruteForce::all_hits(std::span<const Ray> rays, VisibilityMask mask, Visibi
   }
 }
 
-void BruteForce::closest_hits(std::span<const Ray> rays, VisibilityMask mask,
+void BruteForce::closest_hits(std::span<const Ray> rays, QueryMask mask,
                               std::span<Hit> hits) const {
   HitLists lists;
-  all_hits(rays, mask, mask, lists);
+  // What it sees stops a ray.
+  all_hits(rays, mask, static_cast<VisibilityMask>(mask & kAllBits), lists);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     hits[i] = lists[i].empty() ? Hit{} : lists[i].front();
   }
 }
 
-void BruteForce::any_hits(std::span<const Ray> rays, VisibilityMask mask,
+void BruteForce::any_hits(std::span<const Ray> rays, QueryMask mask,
                           std::span<std::uint8_t> occluded) const {
   std::vector<Hit> hits(rays.size());
   closest_hits(rays, mask, hits);
@@ -91,14 +92,14 @@ void BruteForce::any_hits(std::span<const Ray> rays, VisibilityMask mask,
 }
 
 // Every primitive is tested: what a ray meets makes no difference.
-Hit BruteForce::closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const {
+Hit BruteForce::closest_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const {
   Hit hit;
   closest_hits({&ray, 1}, mask, {&hit, 1});
   cost.primitives += solids_.view().triangle_count + solid_count_;
   return hit;
 }
 
-bool BruteForce::any_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const {
+bool BruteForce::any_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const {
   return closest_hit_with_cost(ray, mask, cost).is_hit();
 }
 

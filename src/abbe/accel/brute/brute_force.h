@@ -21,14 +21,13 @@ class BruteForce final : public Accelerator {
   using Accelerator::all_hits;
   using Accelerator::any_hits;
   using Accelerator::closest_hits;
-  void closest_hits(std::span<const Ray> rays, VisibilityMask mask,
-                    std::span<Hit> hits) const override;
-  void any_hits(std::span<const Ray> rays, VisibilityMask mask,
+  void closest_hits(std::span<const Ray> rays, QueryMask mask, std::span<Hit> hits) const override;
+  void any_hits(std::span<const Ray> rays, QueryMask mask,
                 std::span<std::uint8_t> occluded) const override;
-  void all_hits(std::span<const Ray> rays, VisibilityMask mask, VisibilityMask stops,
+  void all_hits(std::span<const Ray> rays, QueryMask mask, VisibilityMask stops,
                 HitLists& hits) const override;
-  Hit closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const override;
-  bool any_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const override;
+  Hit closest_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const override;
+  bool any_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const override;
   std::string_view name() const override { return "brute"; }
   std::size_t rays_worth_a_call() const override { return 1; }
   Box3f bounds() const override { return bounds_; }

@@ -36,8 +36,11 @@ PlacedMeshes::PlacedMeshes(const ShapeSpans& shapes, const Build& build) {
   meshes_.resize(shapes.meshes.size());
   std::vector<std::vector<Box3f>> parts(shapes.meshes.size());
   parallel_for(0, shapes.meshes.size(), 1, [&](std::size_t i) {
-    meshes_[i] =
-        build({.positions = shapes.positions, .triangles = shapes.triangles_of(shapes.meshes[i])});
+    // Places say which of them are seen from both sides.
+    const std::vector<std::uint8_t> front_only(shapes.meshes[i].count, 1);
+    meshes_[i] = build({.positions = shapes.positions,
+                        .triangles = shapes.triangles_of(shapes.meshes[i]),
+                        .front_only = front_only});
     parts[i] = boxes_of_parts(shapes.positions, shapes.triangles_of(shapes.meshes[i]));
   });
   const PlacedNumbers numbers(shapes.meshes, shapes.places, shapes.primitive_count());
@@ -46,8 +49,13 @@ PlacedMeshes::PlacedMeshes(const ShapeSpans& shapes, const Build& build) {
   parallel_for(0, shapes.places.size(), 256, [&](std::size_t i) {
     const MeshPlace& from = shapes.places[i];
     const Mat3d to_mesh = glm::inverse(from.linear);
-    places_[i] = {to_mesh, -(to_mesh * from.offset_m), from.mesh,
-                  numbers.first_primitive(static_cast<std::uint32_t>(i)), from.mask};
+    places_[i] = {to_mesh,
+                  -(to_mesh * from.offset_m),
+                  from.mesh,
+                  numbers.first_primitive(static_cast<std::uint32_t>(i)),
+                  from.mask,
+                  from.front_only,
+                  glm::determinant(from.linear) < 0.0};
     boxes[i] = bounds_at(parts[from.mesh], from.linear, from.offset_m);
   });
   tree_ = PlaceTree(boxes);
@@ -76,11 +84,19 @@ Ray PlacedMeshes::in_mesh(const Ray& ray, const Place& place, float t_max) const
   return to;
 }
 
+// What the mesh of a place is asked. Of a mirror image it is the front that is seen from behind.
+QueryMask PlacedMeshes::query_of(const Place& place, QueryMask mask) {
+  constexpr QueryMask kBoth = kCullBack | kCullFront;
+  QueryMask culled = place.front_only ? static_cast<QueryMask>(mask & kBoth) : QueryMask{0};
+  if (place.is_mirrored && culled != 0) culled = static_cast<QueryMask>(culled ^ kBoth);
+  return static_cast<QueryMask>(kAllBits | culled);
+}
+
 // Searches advance place by place, so that many rays are asked of a mesh at once. A kind of query
 // says with start() whether one of it has to be searched for, and how; collects with add() what is
 // asked of a mesh; asks it; and takes the answers with keep(), true where nothing is left to find.
 template <class Kind>
-void PlacedMeshes::search(std::size_t count, VisibilityMask mask, Kind& kind) const {
+void PlacedMeshes::search(std::size_t count, QueryMask mask, Kind& kind) const {
   const std::size_t in_flight = std::min(count, kInFlight);
   std::vector<PlaceEntry> stacks(in_flight * tree_.stack_entries());
   std::vector<PlaceEntry*> free;
@@ -128,11 +144,14 @@ void PlacedMeshes::search(std::size_t count, VisibilityMask mask, Kind& kind) co
     }
     for (std::size_t begin = 0, end = 0; begin < jobs.size(); begin = end) {
       const std::uint32_t mesh = places_[jobs[begin].place].mesh;
+      const QueryMask query = query_of(places_[jobs[begin].place], mask);
       kind.clear();
-      for (end = begin; end < jobs.size() && places_[jobs[end].place].mesh == mesh; ++end) {
-        kind.add(searches[jobs[end].search], places_[jobs[end].place]);
+      for (end = begin; end < jobs.size(); ++end) {
+        const Place& place = places_[jobs[end].place];
+        if (place.mesh != mesh || query_of(place, mask) != query) break;
+        kind.add(searches[jobs[end].search], place);
       }
-      kind.ask(*meshes_[mesh]);
+      kind.ask(*meshes_[mesh], query);
       for (std::size_t i = begin; i < end; ++i) {
         PlaceSearch& search = searches[jobs[i].search];
         if (kind.keep(search, places_[jobs[i].place], i - begin)) search.top = search.bottom;
@@ -159,9 +178,9 @@ struct PlacedMeshes::ClosestRays {
   void add(const PlaceSearch& search, const Place& place) {
     local.push_back(all.in_mesh(rays[search.query], place, search.end));
   }
-  void ask(const Accelerator& mesh) {
+  void ask(const Accelerator& mesh, QueryMask query) {
     found.resize(local.size());
-    mesh.closest_hits(std::span<const Ray>(local), kAllBits, std::span<Hit>(found));
+    mesh.closest_hits(std::span<const Ray>(local), query, std::span<Hit>(found));
   }
   bool keep(PlaceSearch& search, const Place& place, std::size_t number) const {
     Hit hit = found[number];
@@ -193,9 +212,9 @@ struct PlacedMeshes::AnyRays {
   void add(const PlaceSearch& search, const Place& place) {
     local.push_back(all.in_mesh(rays[search.query], place, search.end));
   }
-  void ask(const Accelerator& mesh) {
+  void ask(const Accelerator& mesh, QueryMask query) {
     found.resize(local.size());
-    mesh.any_hits(std::span<const Ray>(local), kAllBits, std::span<std::uint8_t>(found));
+    mesh.any_hits(std::span<const Ray>(local), query, std::span<std::uint8_t>(found));
   }
   bool keep(const PlaceSearch& search, const Place&, std::size_t number) const {
     occluded[search.query] |= found[number];
@@ -229,8 +248,8 @@ struct PlacedMeshes::AllRays {
   void add(const PlaceSearch& search, const Place& place) {
     local.push_back(all.in_mesh(rays[search.query], place, search.end));
   }
-  void ask(const Accelerator& mesh) {
-    mesh.all_hits(std::span<const Ray>(local), kAllBits, 0, found);
+  void ask(const Accelerator& mesh, QueryMask query) {
+    mesh.all_hits(std::span<const Ray>(local), query, 0, found);
   }
   bool keep(PlaceSearch& search, const Place& place, std::size_t number) {
     const bool does_stop = (place.mask & stops) != 0;
@@ -281,9 +300,9 @@ struct PlacedMeshes::ClosestPackets {
     }
     move_packet(place.to_mesh_linear, place.to_mesh_offset, from, to);
   }
-  void ask(const Accelerator& mesh) {
+  void ask(const Accelerator& mesh, QueryMask query) {
     found.resize(local.size());
-    mesh.closest_hits(std::span<const RayPacket>(local), kAllBits, std::span<HitPacket>(found));
+    mesh.closest_hits(std::span<const RayPacket>(local), query, std::span<HitPacket>(found));
   }
   bool keep(PlaceSearch& search, const Place& place, std::size_t number) const {
     HitPacket& best = hits[search.query];
@@ -332,9 +351,9 @@ struct PlacedMeshes::AnyPackets {
     std::copy(std::begin(from.t_max), std::end(from.t_max), to.t_max);
     move_packet(place.to_mesh_linear, place.to_mesh_offset, from, to);
   }
-  void ask(const Accelerator& mesh) {
+  void ask(const Accelerator& mesh, QueryMask query) {
     found.resize(local.size());
-    mesh.any_hits(std::span<const RayPacket>(local), kAllBits, std::span<std::uint32_t>(found));
+    mesh.any_hits(std::span<const RayPacket>(local), query, std::span<std::uint32_t>(found));
   }
   bool keep(const PlaceSearch& search, const Place&, std::size_t number) const {
     std::uint32_t& done = occluded[search.query];
@@ -363,11 +382,11 @@ struct PlacedMeshes::OneRay {
   void add(const PlaceSearch& search, const Place& place) {
     local = all.in_mesh(ray, place, search.end);
   }
-  void ask(const Accelerator& mesh) {
+  void ask(const Accelerator& mesh, QueryMask query) {
     found = {};
     if (!is_any) {
-      found = mesh.closest_hit_with_cost(local, kAllBits, cost);
-    } else if (mesh.any_hit_with_cost(local, kAllBits, cost)) {
+      found = mesh.closest_hit_with_cost(local, query, cost);
+    } else if (mesh.any_hit_with_cost(local, query, cost)) {
       found.primitive = 0;
     }
   }
@@ -381,35 +400,35 @@ struct PlacedMeshes::OneRay {
   }
 };
 
-void PlacedMeshes::closest_hits(std::span<const Ray> rays, VisibilityMask mask,
+void PlacedMeshes::closest_hits(std::span<const Ray> rays, QueryMask mask,
                                 std::span<Hit> hits) const {
   rest_->closest_hits(rays, mask, hits);
   ClosestRays kind{*this, rays, hits};
   search(rays.size(), mask, kind);
 }
 
-void PlacedMeshes::any_hits(std::span<const Ray> rays, VisibilityMask mask,
+void PlacedMeshes::any_hits(std::span<const Ray> rays, QueryMask mask,
                             std::span<std::uint8_t> occluded) const {
   rest_->any_hits(rays, mask, occluded);
   AnyRays kind{*this, rays, occluded};
   search(rays.size(), mask, kind);
 }
 
-void PlacedMeshes::closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+void PlacedMeshes::closest_hits(std::span<const RayPacket> packets, QueryMask mask,
                                 std::span<HitPacket> hits) const {
   rest_->closest_hits(packets, mask, hits);
   ClosestPackets kind{*this, packets, hits};
   search(packets.size(), mask, kind);
 }
 
-void PlacedMeshes::any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+void PlacedMeshes::any_hits(std::span<const RayPacket> packets, QueryMask mask,
                             std::span<std::uint32_t> occluded) const {
   rest_->any_hits(packets, mask, occluded);
   AnyPackets kind{*this, packets, occluded};
   search(packets.size(), mask, kind);
 }
 
-void PlacedMeshes::all_hits(std::span<const Ray> rays, VisibilityMask mask, VisibilityMask stops,
+void PlacedMeshes::all_hits(std::span<const Ray> rays, QueryMask mask, VisibilityMask stops,
                             HitLists& hits) const {
   HitLists rest;
   rest_->all_hits(rays, mask, stops, rest);
@@ -451,15 +470,14 @@ void PlacedMeshes::all_hits(std::span<const Ray> rays, VisibilityMask mask, Visi
   }
 }
 
-Hit PlacedMeshes::closest_hit_with_cost(const Ray& ray, VisibilityMask mask,
-                                        QueryCost& cost) const {
+Hit PlacedMeshes::closest_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const {
   Hit best = rest_->closest_hit_with_cost(ray, mask, cost);
   OneRay kind{*this, ray, false, best, cost};
   search(1, mask, kind);
   return best;
 }
 
-bool PlacedMeshes::any_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const {
+bool PlacedMeshes::any_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const {
   Hit best;
   if (rest_->any_hit_with_cost(ray, mask, cost)) return true;
   OneRay kind{*this, ray, true, best, cost};

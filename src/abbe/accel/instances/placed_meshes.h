@@ -26,19 +26,18 @@ class PlacedMeshes final : public Accelerator {
   /// Builds the parts. Domain: that of build_accelerator(), with at least one place.
   PlacedMeshes(const ShapeSpans& shapes, const Build& build);
 
-  void closest_hits(std::span<const Ray> rays, VisibilityMask mask,
-                    std::span<Hit> hits) const override;
-  void any_hits(std::span<const Ray> rays, VisibilityMask mask,
+  void closest_hits(std::span<const Ray> rays, QueryMask mask, std::span<Hit> hits) const override;
+  void any_hits(std::span<const Ray> rays, QueryMask mask,
                 std::span<std::uint8_t> occluded) const override;
-  void all_hits(std::span<const Ray> rays, VisibilityMask mask, VisibilityMask stops,
+  void all_hits(std::span<const Ray> rays, QueryMask mask, VisibilityMask stops,
                 HitLists& hits) const override;
-  void closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+  void closest_hits(std::span<const RayPacket> packets, QueryMask mask,
                     std::span<HitPacket> hits) const override;
-  void any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+  void any_hits(std::span<const RayPacket> packets, QueryMask mask,
                 std::span<std::uint32_t> occluded) const override;
   using Accelerator::all_hits;
-  Hit closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const override;
-  bool any_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const override;
+  Hit closest_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const override;
+  bool any_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const override;
   std::string_view name() const override { return rest_->name(); }
   std::size_t rays_worth_a_call() const override { return rest_->rays_worth_a_call(); }
   Box3f bounds() const override;
@@ -50,13 +49,14 @@ class PlacedMeshes final : public Accelerator {
     Vec3d to_mesh_offset;
     std::uint32_t mesh, first_primitive;
     VisibilityMask mask;
+    bool front_only, is_mirrored;
   };
   struct Job {
     std::uint32_t search, place;
   };
 
   template <class Kind>
-  void search(std::size_t count, VisibilityMask mask, Kind& kind) const;
+  void search(std::size_t count, QueryMask mask, Kind& kind) const;
   struct ClosestRays;
   struct AnyRays;
   struct AllRays;
@@ -64,6 +64,7 @@ class PlacedMeshes final : public Accelerator {
   struct AnyPackets;
   struct OneRay;
 
+  static QueryMask query_of(const Place& place, QueryMask mask);
   PlaceBeam beam_of_ray(const Ray& ray) const;
   PlaceBeam beam_of_packet(const RayPacket& packet) const;
   Ray in_mesh(const Ray& ray, const Place& place, float t_max) const;

@@ -57,7 +57,7 @@ struct KdView {
 
   /// The first block of a leaf of triangles only.
   const TriangleBlock& block(KdChild leaf) const { return block_at(blocks + (leaf & kIndexMask)); }
-  bool is_visible(std::uint32_t primitive, VisibilityMask mask) const {
+  bool is_visible(std::uint32_t primitive, QueryMask mask) const {
     return masks == nullptr || (masks[primitive] & mask) != 0;
   }
 };

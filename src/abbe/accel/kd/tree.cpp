@@ -19,11 +19,11 @@ struct KdTree::Data {
   KdView view;
   KdView unmasked;  ///< Of the same, for queries that see every primitive.
 
-  bool can_hit(VisibilityMask mask) const {
+  bool can_hit(QueryMask mask) const {
     return view.root != kEmptyChild && visibility.sees_any(mask);
   }
   // The mask of a primitive is a memory access away: it is only looked at where it matters.
-  const KdView& view_of(VisibilityMask mask) const {
+  const KdView& view_of(QueryMask mask) const {
     return visibility.sees_all(mask) ? unmasked : view;
   }
 };
@@ -75,8 +75,7 @@ KdTree KdTree::build(const ShapeSpans& shapes, const KdTreeConfig& config) {
   return result;
 }
 
-void KdTree::closest_hits(std::span<const Ray> rays, VisibilityMask mask,
-                          std::span<Hit> hits) const {
+void KdTree::closest_hits(std::span<const Ray> rays, QueryMask mask, std::span<Hit> hits) const {
   if (!data_->can_hit(mask)) {
     std::fill_n(hits.begin(), rays.size(), Hit{});
     return;
@@ -84,7 +83,7 @@ void KdTree::closest_hits(std::span<const Ray> rays, VisibilityMask mask,
   trace_closest(data_->view_of(mask), rays.data(), rays.size(), mask, hits.data());
 }
 
-void KdTree::closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+void KdTree::closest_hits(std::span<const RayPacket> packets, QueryMask mask,
                           std::span<HitPacket> hits) const {
   if (!data_->can_hit(mask)) {
     std::fill_n(hits.begin(), packets.size(), nothing_hit());
@@ -93,7 +92,7 @@ void KdTree::closest_hits(std::span<const RayPacket> packets, VisibilityMask mas
   trace_closest(data_->view_of(mask), packets.data(), packets.size(), mask, hits.data());
 }
 
-void KdTree::any_hits(std::span<const Ray> rays, VisibilityMask mask,
+void KdTree::any_hits(std::span<const Ray> rays, QueryMask mask,
                       std::span<std::uint8_t> occluded) const {
   if (!data_->can_hit(mask)) {
     std::fill_n(occluded.begin(), rays.size(), std::uint8_t{0});
@@ -102,7 +101,7 @@ void KdTree::any_hits(std::span<const Ray> rays, VisibilityMask mask,
   trace_any(data_->view_of(mask), rays.data(), rays.size(), mask, occluded.data());
 }
 
-void KdTree::any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+void KdTree::any_hits(std::span<const RayPacket> packets, QueryMask mask,
                       std::span<std::uint32_t> occluded) const {
   if (!data_->can_hit(mask)) {
     std::fill_n(occluded.begin(), packets.size(), 0u);
@@ -111,17 +110,17 @@ void KdTree::any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
   trace_any(data_->view_of(mask), packets.data(), packets.size(), mask, occluded.data());
 }
 
-void KdTree::all_hits(std::span<const Ray> rays, VisibilityMask mask, VisibilityMask stops,
+void KdTree::all_hits(std::span<const Ray> rays, QueryMask mask, VisibilityMask stops,
                       HitLists& hits) const {
   hits.clear();
   search_all(data_->view, data_->visibility, rays, mask, stops, hits);
 }
 
-Hit KdTree::closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const {
+Hit KdTree::closest_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const {
   return search_nearest(data_->view, data_->visibility, ray, mask, false, cost);
 }
 
-bool KdTree::any_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const {
+bool KdTree::any_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const {
   return search_nearest(data_->view, data_->visibility, ray, mask, true, cost).is_hit();
 }
 

@@ -42,19 +42,18 @@ class KdTree final : public Accelerator {
   KdTree& operator=(KdTree&&) noexcept;
   ~KdTree() override;
 
-  void closest_hits(std::span<const Ray> rays, VisibilityMask mask,
-                    std::span<Hit> hits) const override;
-  void any_hits(std::span<const Ray> rays, VisibilityMask mask,
+  void closest_hits(std::span<const Ray> rays, QueryMask mask, std::span<Hit> hits) const override;
+  void any_hits(std::span<const Ray> rays, QueryMask mask,
                 std::span<std::uint8_t> occluded) const override;
-  void all_hits(std::span<const Ray> rays, VisibilityMask mask, VisibilityMask stops,
+  void all_hits(std::span<const Ray> rays, QueryMask mask, VisibilityMask stops,
                 HitLists& hits) const override;
-  void closest_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+  void closest_hits(std::span<const RayPacket> packets, QueryMask mask,
                     std::span<HitPacket> hits) const override;
-  void any_hits(std::span<const RayPacket> packets, VisibilityMask mask,
+  void any_hits(std::span<const RayPacket> packets, QueryMask mask,
                 std::span<std::uint32_t> occluded) const override;
   using Accelerator::all_hits;
-  Hit closest_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const override;
-  bool any_hit_with_cost(const Ray& ray, VisibilityMask mask, QueryCost& cost) const override;
+  Hit closest_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const override;
+  bool any_hit_with_cost(const Ray& ray, QueryMask mask, QueryCost& cost) const override;
   std::string_view name() const override { return "kdtree"; }
   std::size_t rays_worth_a_call() const override;
   Box3f bounds() const override;

@@ -24,8 +24,9 @@ struct alignas(64) BlockLine {
 struct alignas(64) TriangleBlock {
   std::uint8_t corners[3][kBlockTriangles];  ///< Numbers of the vertices of each triangle.
   std::uint8_t triangle_count;
-  std::uint8_t is_loose;    ///< 1 or 0.
-  std::uint8_t next_lines;  ///< To the leaf's next block, in lines; 0 if there is none.
+  std::uint8_t is_loose;     ///< 1 or 0.
+  std::uint8_t next_lines;   ///< To the leaf's next block, in lines; 0 if there is none.
+  std::uint16_t front_only;  ///< A bit for each triangle that no ray meets from behind.
   alignas(64) std::uint32_t id[kBlockTriangles];
 
   int vertices_per_row() const { return is_loose != 0 ? kLooseVertices : kSharedVertices; }

@@ -73,6 +73,9 @@ class BlockPacker {
       block_.head.corners[corner][lane] = static_cast<std::uint8_t>(vertex);
     }
     block_.head.id[lane] = id;
+    if (!shapes_.front_only.empty() && shapes_.front_only[id] != 0) {
+      block_.head.front_only = static_cast<std::uint16_t>(block_.head.front_only | 1u << lane);
+    }
     ++block_.head.triangle_count;
     return true;
   }

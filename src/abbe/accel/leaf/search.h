@@ -20,11 +20,11 @@ namespace abbe {
 /// the first or the second that the ray's line has with it. Nothing beyond end() is of interest.
 struct NearestSearch {
   const Visibility& visibility;
-  VisibilityMask mask;
+  QueryMask mask;
   bool is_any;
   Hit hit;  ///< hit.t is the end of the open segment until something is met.
 
-  NearestSearch(const Visibility& of, VisibilityMask bits, const Ray& ray, bool any)
+  NearestSearch(const Visibility& of, QueryMask bits, const Ray& ray, bool any)
       : visibility(of), mask(bits), is_any(any) {
     hit.t = ray.t_max;
   }
@@ -34,6 +34,7 @@ struct NearestSearch {
       hit = {t, primitive, u, v};
     }
   }
+  QueryMask query() const { return mask; }
   float end() const { return hit.t; }
   bool is_done() const { return is_any && hit.is_hit(); }
   Hit answer() const { return hit.is_hit() ? hit : Hit{}; }
@@ -42,7 +43,7 @@ struct NearestSearch {
 /// All primitives up to the first that stops the ray. Its memory is used for one ray after another.
 class AllSearch {
  public:
-  AllSearch(const Visibility& visibility, VisibilityMask mask, VisibilityMask stops)
+  AllSearch(const Visibility& visibility, QueryMask mask, VisibilityMask stops)
       : visibility_(visibility), mask_(mask), stops_(stops) {}
 
   void start(const Ray& ray) {
@@ -50,6 +51,7 @@ class AllSearch {
     found_.clear();
   }
   void found(float t, std::uint32_t primitive, float u, float v, int crossing);
+  QueryMask query() const { return mask_; }
   float end() const { return end_; }
   bool is_done() const { return false; }
   /// Appends what was found as the next list.
@@ -63,7 +65,8 @@ class AllSearch {
   };
 
   const Visibility& visibility_;
-  VisibilityMask mask_, stops_;
+  QueryMask mask_;
+  VisibilityMask stops_;
   float t_max_ = 0.0f;
   float end_ = 0.0f;  // t_max, or the distance of a hit that stops the ray.
   std::vector<Found> found_;
@@ -71,7 +74,7 @@ class AllSearch {
 
 /// Shows a search where a ray's line meets the triangles of a block.
 template <class Search>
-void test_block(const TriangleBlock& block, const ShearedRay& ray, Search& search) {
+void test_block(const TriangleBlock& block, const ShearedRay& ray, QueryMask mask, Search& search) {
   const float* const row_x = block.row(ray.axes.x);
   const float* const row_y = block.row(ray.axes.y);
   const float* const row_z = block.row(ray.axes.z);
@@ -92,6 +95,7 @@ void test_block(const TriangleBlock& block, const ShearedRay& ray, Search& searc
         (u >= 0.0f && v >= 0.0f && w >= 0.0f) || (u <= 0.0f && v <= 0.0f && w <= 0.0f);
     const float determinant = (u + v) + w;
     if (!is_inside || determinant == 0.0f) continue;
+    if ((block.front_only >> i & 1) != 0 && is_culled(mask, determinant, ray.shear_z)) continue;
     const float inverse = 1.0f / determinant;
     const float t = (((u * az + v * bz) + w * cz) * ray.shear_z) * inverse;
     search.found(t, block.id[i], v * inverse, w * inverse, 0);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "abbe/accel/shapes.h"
 #include "abbe/math/ray.h"
 
 namespace abbe {
@@ -25,6 +26,18 @@ struct ShearAxes {
     return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
   }
 };
+
+/// Whether a triangle is met from behind. The axes are an even permutation and shearing turns
+/// nothing round, so that the determinant of the test has the sign of −normal·z, and a ray the
+/// direction of shear_z along z.
+inline bool is_from_behind(float determinant, float shear_z) {
+  return (determinant < 0.0f) != (shear_z < 0.0f);
+}
+
+/// Whether a triangle that is there from the front only is not there for a query that meets it.
+inline bool is_culled(QueryMask mask, float determinant, float shear_z) {
+  return (mask & (is_from_behind(determinant, shear_z) ? kCullBack : kCullFront)) != 0;
+}
 
 /// A ray along its axes. Domain: the direction is finite and not zero.
 struct ShearedRay {

@@ -109,10 +109,13 @@ HWY_INLINE void TestBlock(const TriangleBlock& block, const ShearedRay& ray, flo
 
 // Shows the candidates to a search, as test_block() in search.h does.
 template <class Search>
-HWY_INLINE void ShowCandidates(const TriangleBlock& block, const BlockResult& result,
-                               Search& search) {
+HWY_INLINE void ShowCandidates(const TriangleBlock& block, const BlockResult& result, float shear_z,
+                               QueryMask mask, Search& search) {
   for (std::uint32_t bits = result.candidates; bits != 0; bits &= bits - 1) {
     const auto lane = hwy::Num0BitsBelowLS1Bit_Nonzero32(bits);
+    if ((block.front_only >> lane & 1) != 0 && is_culled(mask, result.determinant[lane], shear_z)) {
+      continue;
+    }
     const float inverse = 1.0f / result.determinant[lane];
     search.found(result.scaled_t[lane] * inverse, block.id[lane], result.v[lane] * inverse,
                  result.w[lane] * inverse, 0);
@@ -154,9 +157,14 @@ struct VertexPlaces {
 // branch depends on the outcome of a test.
 template <bool kAny, bool kCommonOrigin, int kLanes>
 HWY_INLINE std::size_t FindCandidates(const TriangleBlock& block, std::uint32_t near,
-                                      VertexPlaces<kCommonOrigin> rows, const PacketRays<kLanes>& p,
-                                      std::size_t i, Candidates<kLanes>& found) {
+                                      VertexPlaces<kCommonOrigin> rows, QueryMask mask,
+                                      const PacketRays<kLanes>& p, std::size_t i,
+                                      Candidates<kLanes>& found) {
   const LaneF d;
+  const std::uint32_t one_sided =
+      (mask & (kCullBack | kCullFront)) != 0 ? block.front_only : std::uint32_t{0};
+  // Positive where fronts are seen.
+  const auto seen = hn::Set(d, (mask & kCullBack) != 0 ? 1.0f : -1.0f);
   using V = hn::Vec<LaneF>;
   const V sx = hn::Load(d, p.shear_x + i);
   const V sy = hn::Load(d, p.shear_y + i);
@@ -186,6 +194,11 @@ HWY_INLINE std::size_t FindCandidates(const TriangleBlock& block, std::uint32_t 
     // Most triangles near a shadow ray are the one it ends at: a first look without the division
     // saves them. In the search for the closest they are mostly hits.
     if (kAny) is_candidate = hn::And(is_candidate, MayBeNear(test, last_t));
+    if ((one_sided >> k & 1) != 0) {
+      // As is_culled() has it: from behind the signs differ.
+      const auto side = hn::CopySign(seen, hn::Xor(hn::Xor(test.determinant, sz), seen));
+      is_candidate = hn::And(is_candidate, hn::Gt(side, hn::Zero(d)));
+    }
     hn::Store(test.scaled_t, d, found.scaled_t[count]);
     hn::Store(hn::IfThenElseZero(is_candidate, test.determinant), d, found.determinant[count]);
     if (!kAny) {
@@ -250,13 +263,13 @@ HWY_INLINE std::uint32_t TakeNearest(const Candidates<kLanes>& found, std::size_
 // With kAny hits are not written. First all tests; then what they found.
 template <bool kAny, bool kCommonOrigin, int kLanes>
 HWY_INLINE std::uint32_t TestTriangles(const TriangleBlock& block, const CulledBlock& culled,
-                                       const ShearGroup& group, PacketRays<kLanes>& p,
-                                       Candidates<kLanes>& found) {
+                                       const ShearGroup& group, QueryMask mask,
+                                       PacketRays<kLanes>& p, Candidates<kLanes>& found) {
   const VertexPlaces<kCommonOrigin> rows(block, culled, group.axes);
   std::uint32_t lanes = 0;
   for (std::size_t i = 0; i < kLanes; i += hn::Lanes(LaneF())) {
     const std::size_t count =
-        FindCandidates<kAny, kCommonOrigin>(block, culled.near, rows, p, i, found);
+        FindCandidates<kAny, kCommonOrigin>(block, culled.near, rows, mask, p, i, found);
     if (count == 0) continue;
     if constexpr (kAny) {
       lanes |= HitsAny(found, count, p, i) & group.lanes;

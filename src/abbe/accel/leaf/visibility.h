@@ -27,8 +27,8 @@ class Visibility {
   }
 
   /// Whether a query with this mask sees any primitive, and whether it sees all.
-  bool sees_any(VisibilityMask mask) const { return (any_ & mask) != 0; }
-  bool sees_all(VisibilityMask mask) const { return all_have_bits_ && (any_ & mask) == any_; }
+  bool sees_any(QueryMask mask) const { return (any_ & mask) != 0; }
+  bool sees_all(QueryMask mask) const { return all_have_bits_ && (any_ & mask) == any_; }
 
   VisibilityMask of(std::uint32_t primitive) const {
     return masks_.empty() ? any_ : masks_[primitive];

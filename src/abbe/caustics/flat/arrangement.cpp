@@ -157,7 +157,7 @@ class Arranger {
     const Facet& facet = bodies_[a].facets[number];
     const Extent& extent = wholes_[a].facets[number];
     std::vector<Facet> ways{facet};
-    if (bodies_[a].body.is_mirror) {
+    if (bodies_[a].body.is_mirror && !bodies_[a].body.is_front_only) {
       Facet& back = ways.emplace_back(facet);
       back.normal = -back.normal;
       back.distance = -back.distance;

@@ -26,7 +26,8 @@ struct SharedSpace {
 /// the last place of their own coordinates, as floats: what is elsewhere does not matter. Where two
 /// bodies touch there is one boundary, kept by the first;
 /// where a mirror touches glass, a gap of air is between them. Pieces that are no boundary go.
-/// Domain: facets of closed bodies point outwards; a mirror's are taken from both sides.
+/// Domain: facets of closed bodies point outwards; a mirror's are taken from both
+///         sides unless it is there from the front only.
 /// Returns the bodies whose surfaces go through each other, and those that touch such a one: they
 /// must not stay among the others.
 std::vector<SharedSpace> arrange(std::vector<BodyFacets>& bodies);

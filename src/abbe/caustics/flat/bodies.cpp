@@ -218,6 +218,7 @@ void add_instance(const Scene& scene, std::uint32_t number, std::vector<LeftOut>
   const Kind kind = kind_of(material);
   if (kind == Kind::None) return;
   body.is_mirror = kind == Kind::Mirror;
+  body.is_front_only = mesh != nullptr && material.is_front_only();
   body.priority = material.priority;
   MeshOutcome outcome;
   if (has_textured_film(material)) outcome.trouble = "a texture shapes its thin film";

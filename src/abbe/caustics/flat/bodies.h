@@ -44,6 +44,7 @@ struct FlatBody {
   std::uint32_t first_facet = 0, facet_count = 0;
   std::uint32_t first_face = 0, face_count = 0;
   bool is_mirror = false;       ///< Opaque metal: it only reflects.
+  bool is_front_only = false;   ///< A mirror that is not there from behind.
   bool is_convex = false;       ///< Straight lines inside meet no other facet.
   bool has_inclusions = false;  ///< Another object may lie in it or reach into it.
   bool is_covered = false;      ///< It has no facets: those of bodies in its place stand for them.

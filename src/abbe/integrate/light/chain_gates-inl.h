@@ -82,15 +82,17 @@ inline Ray LastRay(const ChainPath& chain, const ChainPlaces& met, const LitPlac
                     chain.slack_m);
 }
 
-/// Through the facet of step s: what lies on it is as near as rounding errors of rays to it.
+/// Through the facet of step s, backwards as light goes: what lies on it is as near as rounding
+/// errors of rays to it.
 inline Ray RayThrough(const ChainPath& chain, const ChainPlaces& met, const LitPlace& place,
                       std::size_t s, int lane) {
   const Vec3f normal = chain.steps[s].normal;
   const bool is_last = s + 1 == chain.steps.size();
   const Vec3f next = is_last ? place.origin - chain.origin : met.places[s + 1].get(lane);
-  const float along_m = glm::distance(met.places[s].get(lane), next);
-  const float near_m = 2.0f * (chain.slack_m + kRayRounding * along_m);
-  return {met.places[s].get(lane) + chain.origin - near_m * normal, 2.0f * near_m, normal};
+  const Vec3f here = met.places[s].get(lane);
+  const float near_m = 2.0f * (chain.slack_m + kRayRounding * glm::distance(here, next));
+  const Vec3f back = glm::dot(next - here, normal) > 0.0f ? -normal : normal;
+  return {here + chain.origin - near_m * back, 2.0f * near_m, back};
 }
 
 /// Backwards from the facet of step s to the one before it, or to the light.

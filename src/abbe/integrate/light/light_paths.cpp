@@ -82,7 +82,8 @@ class Paths {
 
   void add_straight() {
     const auto straight = straight_path(light_, place_);
-    if (!straight || is_blocked(place_, -straight->direction, straight->length_m)) return;
+    if (!straight) return;
+    if (is_blocked(place_, -straight->direction, straight->length_m, kCullFront)) return;
     LightPath path;
     path.start = straight->start;
     path.arrival = straight->direction;
@@ -260,7 +261,7 @@ class Paths {
     }
     add_segment(from, place_, chain.ends_in(), path);
     if (!light_.has_distance()) {
-      path.is_blocked |= is_blocked(path.start, -Vec3d(light_.direction), kInfinity);
+      path.is_blocked |= is_blocked(path.start, -Vec3d(light_.direction), kInfinity, kCullFront);
     }
     path.irradiance = path.is_blocked ? 0.0 : path.irradiance * path.transmittance;
   }
@@ -270,7 +271,8 @@ class Paths {
     const double length_m = glm::distance(from, to);
     path.length_m += length_m;
     path.transmittance *= passes(medium, length_m, path.lane);
-    if (length_m > 0.0) path.is_blocked |= is_blocked(from, (to - from) / length_m, length_m);
+    if (length_m > 0.0)
+      path.is_blocked |= is_blocked(from, (to - from) / length_m, length_m, kCullBack);
   }
 
   // Whether anything opaque lies on a facet where light goes through it; what stands on the last
@@ -287,8 +289,10 @@ class Paths {
     return is_met != 0;
   }
 
-  // Whether anything opaque stands on a segment or anything that bends light.
-  bool is_blocked(const Vec3d& from, const Vec3d& direction, double length_m) const {
+  // Whether anything opaque stands on a segment or anything that bends light. `culled` is kCullBack
+  // where it goes as light does, else kCullFront.
+  bool is_blocked(const Vec3d& from, const Vec3d& direction, double length_m,
+                  QueryMask culled) const {
     const double slack = slack_m() + kOffFacet * (std::isfinite(length_m) ? length_m : 0.0);
     Ray ray;
     ray.origin = Vec3f(from + slack * direction);
@@ -298,7 +302,7 @@ class Paths {
     for (int i = 0; i < kMaxSurfaces && ray.t_max > 0.0f; ++i) {
       Hit hit;
       world_.accelerator->closest_hits(std::span<const Ray>(&ray, 1),
-                                       kOpaqueBit | kTransparentBit | kExactGlassBit,
+                                       static_cast<QueryMask>(kAllBits | culled),
                                        std::span<Hit>(&hit, 1));
       if (!hit.is_hit()) return false;
       const SurfacePoint point = surface_point(world_, ray.origin, ray.direction, hit);

@@ -179,7 +179,9 @@ class ShadowQueue {
            std::vector<Answer>& occluded) const {
     occluded.resize(queries.size());
     if (queries.empty()) return;
-    world_.accelerator->any_hits(std::span<const Query>(queries), blocking,
+    // Rays begin where light arrives.
+    const auto mask = static_cast<QueryMask>(blocking | kCullFront);
+    world_.accelerator->any_hits(std::span<const Query>(queries), mask,
                                  std::span<Answer>(occluded));
   }
 

@@ -82,7 +82,8 @@ class ShadowTransmittance {
     // Most rays meet nothing transparent: a packet finds that out for sixteen lanes at once.
     meets_.resize(queries.packets.size());
     if (!meets_.empty() && passing_ != 0) {
-      world.accelerator->any_hits(std::span<const RayPacket>(queries.packets), passing_,
+      world.accelerator->any_hits(std::span<const RayPacket>(queries.packets),
+                                  static_cast<QueryMask>(passing_ | kCullFront),
                                   std::span<std::uint32_t>(meets_));
     }
   }
@@ -138,7 +139,8 @@ class ShadowTransmittance {
       lines_.push_back(line);
     }
     found_.clear();
-    world_.accelerator->all_hits(std::span<const Ray>(lines_), mask, 0, found_);
+    world_.accelerator->all_hits(std::span<const Ray>(lines_),
+                                 static_cast<QueryMask>(mask | kCullFront), 0, found_);
     for (std::size_t i = 0; i < paths.size(); ++i) {
       list_.sort(lines_[i], found_[i]);
       follow(paths[i], lines_[i]);

@@ -162,12 +162,12 @@ void InterfaceList::add_interface(std::span<Face> faces) {
 }
 
 // Puts what the line through a place of the ray meets into the list.
-void ContactFinder::look_around(const Ray& ray, double t, double along_m) {
+void ContactFinder::look_around(const Ray& ray, double t, double along_m, QueryMask seen) {
   line_ = ray;
   line_.origin = Vec3f(Vec3d(ray.origin) + (t - along_m) * Vec3d(ray.direction));
   line_.t_max = static_cast<float>(2.0 * along_m);
   found_.clear();
-  world_.accelerator->all_hits(std::span<const Ray>(&line_, 1), kAllBits, 0, found_);
+  world_.accelerator->all_hits(std::span<const Ray>(&line_, 1), seen, 0, found_);
   list_.sort(line_, found_[0]);
 }
 
@@ -180,7 +180,7 @@ std::size_t ContactFinder::look_around(const Ray& ray, const Hit& hit) {
       static_cast<float>(2.0 * kContactUlps * kUlp) * world_.touching_of(hit.primitive).size_m;
   const double along_m = static_cast<double>(
       reach_m_ / std::max(std::abs(glm::dot(ray.direction, point.normal)), kLeastCosine));
-  look_around(ray, static_cast<double>(hit.t), along_m);
+  look_around(ray, static_cast<double>(hit.t), along_m, kAllBits | kCullBack);
   const std::size_t own = list_.find(
       along_m, [&](std::uint32_t, std::uint32_t primitive) { return primitive == hit.primitive; });
   if (own < list_.all().size()) return own;
@@ -234,18 +234,21 @@ std::optional<Contact> ContactFinder::meet(const Ray& ray, Hit& hit) {
 
 std::optional<Contact> ContactFinder::leave(const Ray& ray, const Departure& departure, Hit& hit) {
   const double along_m = static_cast<double>(departure.reach_m);
-  look_around(ray, 0.0, along_m);
+  // What the ray leaves it has behind it, and so from behind.
+  look_around(ray, 0.0, along_m, kAllBits);
   const std::span<const Interface> all = list_.all();
   const std::size_t left = list_.find(
       along_m, [&](std::uint32_t surface, std::uint32_t) { return surface == departure.surface; });
-  if (left + 1 < all.size()) {
-    hit = hit_along(ray, all[left + 1]);
+  std::size_t next = left + 1;
+  while (next < all.size() && is_culled(all[next])) ++next;
+  if (next < all.size()) {
+    hit = hit_along(ray, all[next]);
     return contact_at(look_around(ray, hit));
   }
   Ray beyond = ray;
   beyond.origin = left < all.size() ? start_behind(ray, all[left])
                                     : Vec3f(Vec3d(ray.origin) + along_m * Vec3d(ray.direction));
-  world_.accelerator->closest_hits(std::span<const Ray>(&beyond, 1), kAllBits,
+  world_.accelerator->closest_hits(std::span<const Ray>(&beyond, 1), kAllBits | kCullBack,
                                    std::span<Hit>(&hit, 1));
   std::optional<Contact> contact;
   if (hit.is_hit()) {
@@ -254,6 +257,13 @@ std::optional<Contact> ContactFinder::leave(const Ray& ray, const Departure& dep
   }
   hit.t += glm::dot(beyond.origin - ray.origin, ray.direction);
   return contact;
+}
+
+// Whether an interface is not there for the ray, which comes to it from behind.
+bool ContactFinder::is_culled(const Interface& met) const {
+  const MetFace& face = list_.faces(met).front();
+  return world_.geometry.is_triangle(met.hit.primitive) &&
+         world_.materials[face.material].is_front_only && !face.front;
 }
 
 // A step off an interface, on its far side.

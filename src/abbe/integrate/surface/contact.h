@@ -146,10 +146,11 @@ class ContactFinder {
   std::optional<Contact> leave(const Ray& ray, const Departure& departure, Hit& hit);
 
  private:
-  void look_around(const Ray& ray, double t, double along_m);
+  void look_around(const Ray& ray, double t, double along_m, QueryMask seen);
   std::size_t look_around(const Ray& ray, const Hit& hit);
   std::optional<Contact> contact_at(std::size_t number) const;
   Hit hit_along(const Ray& ray, const Interface& interface) const;
+  bool is_culled(const Interface& met) const;
   Vec3f start_behind(const Ray& ray, const Interface& left) const;
 
   const World& world_;

@@ -12,12 +12,12 @@ HWY_BEFORE_NAMESPACE();
 namespace abbe {
 namespace HWY_NAMESPACE {
 
-void RaysClosest(const KdView& view, const Ray* rays, std::size_t count, VisibilityMask mask,
+void RaysClosest(const KdView& view, const Ray* rays, std::size_t count, QueryMask mask,
                  Hit* hits) {
   TraceStream<false>(view, mask, ClosestOfSpan{{rays, count}, hits});
 }
 
-void RaysAny(const KdView& view, const Ray* rays, std::size_t count, VisibilityMask mask,
+void RaysAny(const KdView& view, const Ray* rays, std::size_t count, QueryMask mask,
              std::uint8_t* occluded) {
   TraceStream<true>(view, mask, AnyOfSpan{{rays, count}, occluded});
 }
@@ -110,11 +110,11 @@ HWY_INLINE void StoreNothing(HitPacket& out) {
 
 struct ClosestSink {
   const KdView& view;
-  VisibilityMask mask;
+  QueryMask mask;
   HitPacket* hits;
   LeftoverRays leftover;
 
-  ClosestSink(const KdView& v, VisibilityMask m, HitPacket* h) : view(v), mask(m), hits(h) {}
+  ClosestSink(const KdView& v, QueryMask m, HitPacket* h) : view(v), mask(m), hits(h) {}
 
   // Answers that will be written soon: a write that misses the caches holds up all behind it.
   HWY_INLINE void fetch(std::size_t index) const {
@@ -153,11 +153,11 @@ struct ClosestSink {
 
 struct AnySink {
   const KdView& view;
-  VisibilityMask mask;
+  QueryMask mask;
   std::uint32_t* occluded;
   LeftoverRays leftover;
 
-  AnySink(const KdView& v, VisibilityMask m, std::uint32_t* o) : view(v), mask(m), occluded(o) {}
+  AnySink(const KdView& v, QueryMask m, std::uint32_t* o) : view(v), mask(m), occluded(o) {}
 
   HWY_INLINE void fetch(std::size_t) const {}
   HWY_INLINE bool answer_inside(const RayPacket&, std::size_t) { return false; }
@@ -179,15 +179,15 @@ struct AnySink {
   }
 };
 
-void PacketsClosest(const KdView& view, const RayPacket* packets, std::size_t count,
-                    VisibilityMask mask, HitPacket* hits) {
+void PacketsClosest(const KdView& view, const RayPacket* packets, std::size_t count, QueryMask mask,
+                    HitPacket* hits) {
   ClosestSink sink(view, mask, hits);
   TracePackets<false>(view, packets, count, mask, sink);
   if (sink.leftover.count > 0) sink.flush();
 }
 
-void PacketsAny(const KdView& view, const RayPacket* packets, std::size_t count,
-                VisibilityMask mask, std::uint32_t* occluded) {
+void PacketsAny(const KdView& view, const RayPacket* packets, std::size_t count, QueryMask mask,
+                std::uint32_t* occluded) {
   for (std::size_t i = 0; i < count; ++i) occluded[i] = 0;
   AnySink sink(view, mask, occluded);
   TracePackets<true>(view, packets, count, mask, sink);
@@ -204,12 +204,12 @@ namespace abbe {
 HWY_EXPORT(RaysClosest);
 HWY_EXPORT(RaysAny);
 
-void trace_closest(const KdView& view, const Ray* rays, std::size_t count, VisibilityMask mask,
+void trace_closest(const KdView& view, const Ray* rays, std::size_t count, QueryMask mask,
                    Hit* hits) {
   HWY_DYNAMIC_DISPATCH(RaysClosest)(view, rays, count, mask, hits);
 }
 
-void trace_any(const KdView& view, const Ray* rays, std::size_t count, VisibilityMask mask,
+void trace_any(const KdView& view, const Ray* rays, std::size_t count, QueryMask mask,
                std::uint8_t* occluded) {
   HWY_DYNAMIC_DISPATCH(RaysAny)(view, rays, count, mask, occluded);
 }
@@ -217,12 +217,12 @@ void trace_any(const KdView& view, const Ray* rays, std::size_t count, Visibilit
 HWY_EXPORT(PacketsClosest);
 HWY_EXPORT(PacketsAny);
 
-void trace_closest(const KdView& view, const RayPacket* packets, std::size_t count,
-                   VisibilityMask mask, HitPacket* hits) {
+void trace_closest(const KdView& view, const RayPacket* packets, std::size_t count, QueryMask mask,
+                   HitPacket* hits) {
   HWY_DYNAMIC_DISPATCH(PacketsClosest)(view, packets, count, mask, hits);
 }
 
-void trace_any(const KdView& view, const RayPacket* packets, std::size_t count, VisibilityMask mask,
+void trace_any(const KdView& view, const RayPacket* packets, std::size_t count, QueryMask mask,
                std::uint32_t* occluded) {
   HWY_DYNAMIC_DISPATCH(PacketsAny)(view, packets, count, mask, occluded);
 }

@@ -106,7 +106,7 @@ struct PacketsInFlight {
   }
 
   // The next step of all that wait for the same.
-  HWY_INLINE void go_on(const KdView& view, VisibilityMask mask) {
+  HWY_INLINE void go_on(const KdView& view, QueryMask mask) {
     const std::size_t inner = lists.count[WorkList::kInner];
     const std::size_t leaves = lists.count[WorkList::kLeaf];
     // A list that is gone through fills anew from its start.
@@ -164,7 +164,7 @@ class PairTracer {
 
   // Goes on until the queue is full or all is done; returns whether all is.
   template <class Sink>
-  HWY_INLINE bool run(const StartScene& scene, const KdView& view, VisibilityMask mask,
+  HWY_INLINE bool run(const StartScene& scene, const KdView& view, QueryMask mask,
                       PacketQueue& queue, Sink& sink) {
     const auto finish = [&](const PacketState<kPairLanes>& p) ABBE_INLINE_LAMBDA {
       const std::uint32_t left = FinishPair(p, sink);
@@ -238,8 +238,8 @@ class QueueTracer {
 
   // Goes on until the queue is empty, and if it is the last time until all is done.
   template <class Sink>
-  HWY_INLINE void run(const StartScene& scene, const KdView& view, VisibilityMask mask,
-                      bool is_last, PacketQueue& queue, Sink& sink) {
+  HWY_INLINE void run(const StartScene& scene, const KdView& view, QueryMask mask, bool is_last,
+                      PacketQueue& queue, Sink& sink) {
     const auto finish = [&](const PacketState<kPacketLanes>& p) ABBE_INLINE_LAMBDA {
       const std::uint32_t left = Finish(p, sink);
       if (HWY_UNLIKELY(!p.is_complete() && left != 0)) {
@@ -295,7 +295,7 @@ class QueueTracer {
 // Traces all packets with active lanes. sink.finish() takes what a packet has met.
 template <bool kAny, class Sink>
 HWY_INLINE void TracePackets(const KdView& view, const RayPacket* packets, std::size_t count,
-                             VisibilityMask mask, Sink& sink) {
+                             QueryMask mask, Sink& sink) {
   const StartScene scene(view);
   PacketQueue queue;
   PairTracer<kAny> pairs(packets, count);

@@ -157,7 +157,7 @@ inline constexpr int kBlockCost = 2;
 
 // The triangles that culling left of a block, with what follows from hits.
 template <bool kAny, int kLanes>
-HWY_INLINE void TestPacketBlock(const KdView& view, const TriangleBlock& block, VisibilityMask mask,
+HWY_INLINE void TestPacketBlock(const KdView& view, const TriangleBlock& block, QueryMask mask,
                                 CulledBlock& culled, PacketState<kLanes>& p,
                                 Candidates<kLanes>& candidates) {
   if (HWY_UNLIKELY(view.masks != nullptr)) {
@@ -172,14 +172,14 @@ HWY_INLINE void TestPacketBlock(const KdView& view, const TriangleBlock& block, 
   PacketRays<kLanes>& rays = p;
   for (int g = 0; g < p.group_count; ++g) {
     found |= p.common_origin
-                 ? TestTriangles<kAny, true>(block, culled, p.groups[g], rays, candidates)
-                 : TestTriangles<kAny, false>(block, culled, p.groups[g], rays, candidates);
+                 ? TestTriangles<kAny, true>(block, culled, p.groups[g], mask, rays, candidates)
+                 : TestTriangles<kAny, false>(block, culled, p.groups[g], mask, rays, candidates);
   }
   if (found != 0) Shorten<kAny>(p, found);
 }
 
 template <bool kAny, int kLanes>
-HWY_INLINE void TestPacketSolid(const KdView& view, std::uint32_t primitive, VisibilityMask mask,
+HWY_INLINE void TestPacketSolid(const KdView& view, std::uint32_t primitive, QueryMask mask,
                                 PacketState<kLanes>& p) {
   if (!view.is_visible(primitive, mask)) return;
   if (!MeetsBox(p.beam, view.solids.bounds_of(primitive), p.farthest)) return;
@@ -189,7 +189,7 @@ HWY_INLINE void TestPacketSolid(const KdView& view, std::uint32_t primitive, Vis
 }
 
 template <bool kAny, int kLanes>
-HWY_INLINE void TestMixedPacketLeaf(const KdView& view, VisibilityMask mask, CulledBlock& culled,
+HWY_INLINE void TestMixedPacketLeaf(const KdView& view, QueryMask mask, CulledBlock& culled,
                                     PacketState<kLanes>& p, Candidates<kLanes>& candidates) {
   const MixedLeaf& mixed = view.mixed_leaves[p.current & kIndexMask];
   for (KdChild leaf = mixed.triangles; leaf != kEmptyChild;) {

@@ -20,7 +20,7 @@ void test_leaf(const KdView& view, KdChild leaf, const Ray& ray, const ShearedRa
   while (leaf != kEmptyChild) {
     const TriangleBlock& block = view.block(leaf);
     cost.primitives += block.triangle_count;
-    test_block(block, sheared, search);
+    test_block(block, sheared, search.query(), search);
     leaf = next_block(block, leaf);
   }
   cost.primitives += solids.size();
@@ -55,15 +55,15 @@ void RaySearch::test(std::uint32_t solid) {
   test_solid(view.solids, solid, *ray.ray, *this);
 }
 
-Hit search_nearest(const KdView& view, const Visibility& visibility, const Ray& ray,
-                   VisibilityMask mask, bool any, QueryCost& cost) {
+Hit search_nearest(const KdView& view, const Visibility& visibility, const Ray& ray, QueryMask mask,
+                   bool any, QueryCost& cost) {
   NearestSearch search(visibility, mask, ray, any);
   if (visibility.sees_any(mask)) traverse(view, ray, search, cost);
   return search.answer();
 }
 
 void search_all(const KdView& view, const Visibility& visibility, std::span<const Ray> rays,
-                VisibilityMask mask, VisibilityMask stops, HitLists& hits) {
+                QueryMask mask, VisibilityMask stops, HitLists& hits) {
   AllSearch search(visibility, mask, stops);
   QueryCost cost;
   for (const Ray& ray : rays) {

@@ -11,11 +11,11 @@ namespace abbe {
 
 /// The nearest hit at t in (0, t_max), or with `any` whether there is one: such a search stops
 /// behind the first leaf where something is met. Adds to `cost`.
-Hit search_nearest(const KdView& view, const Visibility& visibility, const Ray& ray,
-                   VisibilityMask mask, bool any, QueryCost& cost);
+Hit search_nearest(const KdView& view, const Visibility& visibility, const Ray& ray, QueryMask mask,
+                   bool any, QueryCost& cost);
 
 /// All hits of each ray, as Accelerator::all_hits() has them, appended to `hits`.
 void search_all(const KdView& view, const Visibility& visibility, std::span<const Ray> rays,
-                VisibilityMask mask, VisibilityMask stops, HitLists& hits);
+                QueryMask mask, VisibilityMask stops, HitLists& hits);
 
 }  // namespace abbe

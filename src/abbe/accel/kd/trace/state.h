@@ -90,7 +90,7 @@ struct alignas(64) RayState {
 /// The search of a ray in flight, as leaf/search.h has it.
 struct RaySearch {
   const KdView& view;
-  VisibilityMask mask;
+  QueryMask mask;
   RayState& ray;
 
   void found(float t, std::uint32_t primitive, float u, float v, int) {

@@ -26,14 +26,14 @@ inline constexpr std::size_t kInterleaved = 32;
 // So many rays after its own step what follows from it is done.
 inline constexpr std::size_t kLag = 3;
 
-HWY_INLINE void TestMixedLeaf(const KdView& view, VisibilityMask mask, RayState& ray) {
+HWY_INLINE void TestMixedLeaf(const KdView& view, QueryMask mask, RayState& ray) {
   const MixedLeaf& mixed = view.mixed_leaves[ray.current & kIndexMask];
   RaySearch search{view, mask, ray};
   BlockResult result;
   for (KdChild leaf = mixed.triangles; leaf != kEmptyChild;) {
     const TriangleBlock& block = view.block(leaf);
     TestBlock(block, ray.sheared, ray.hit.t, result);
-    ShowCandidates(block, result, search);
+    ShowCandidates(block, result, ray.sheared.shear_z, mask, search);
     leaf = next_block(block, leaf);
   }
   for (std::uint32_t s = 0; s < mixed.solid_count; ++s) {
@@ -72,7 +72,7 @@ HWY_INLINE void Refill(const KdView& view, const Source& source, const BeamMaker
 // Traces the rays source.ray(i), i < source.count, that have met source.found(i) already, and hands
 // each to source.finish() when it is done.
 template <bool kAny, class Source>
-HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Source& source) {
+HWY_INLINE void TraceStream(const KdView& view, QueryMask mask, const Source& source) {
   RayState states[kInterleaved];
   BlockResult results[kLag + 1];
   WorkLists<kInterleaved> lists{};
@@ -126,7 +126,7 @@ HWY_INLINE void TraceStream(const KdView& view, VisibilityMask mask, const Sourc
               const BlockResult& result = results[i % (kLag + 1)];
               if (result.candidates != 0) {
                 RaySearch search{view, mask, ray};
-                ShowCandidates(block, result, search);
+                ShowCandidates(block, result, ray.sheared.shear_z, mask, search);
                 Shorten<kAny>(ray);
               }
               push_next_block(ray, block.next_lines, ray.hit.t);

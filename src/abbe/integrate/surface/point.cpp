@@ -1,6 +1,7 @@
 #include "abbe/integrate/surface/point.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace abbe {
@@ -15,6 +16,28 @@ float distance2(const Vec3f& a, const Vec3f& b) {
   const Vec3f d = a - b;
   return glm::dot(d, d);
 }
+
+// How a map's own axes lie in the coordinates that its transform is applied to.
+class UvTurn {
+ public:
+  UvTurn() = default;
+  explicit UvTurn(const TextureUse& use) : linear_(use.uv_linear) {}
+
+  bool is_any() const { return linear_ != TextureUse{}.uv_linear; }
+  Vec2f moved(const Vec2f& uv) const {
+    return {linear_[0] * uv.x + linear_[1] * uv.y, linear_[2] * uv.x + linear_[3] * uv.y};
+  }
+  // Where the map's u grows, of what the coordinates' u and v grow along: a column of the inverse.
+  Vec3f tangent(const Vec3f& along_u, const Vec3f& along_v) const {
+    return handedness() * (linear_[3] * along_u - linear_[2] * along_v);
+  }
+  float handedness() const {
+    return linear_[0] * linear_[3] - linear_[1] * linear_[2] < 0.0f ? -1.0f : 1.0f;
+  }
+
+ private:
+  std::array<float, 4> linear_ = TextureUse{}.uv_linear;
+};
 
 void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hit,
                    SurfacePoint& point) {
@@ -68,8 +91,10 @@ void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hi
   const SurfaceMaterial& material = world.materials[surface.material];
   const bool needs_frame = material.needs_frame();
   if (!material.normal_texture && !needs_frame) return;
-  // Tangents of a set of coordinates along the surface, and whether there are any.
-  const auto directions = [&](std::uint32_t set, Vec3f& tangent, Vec3f& bitangent) {
+  // Tangents of a set of coordinates along the surface, and whether there are any; turned with a
+  // map whose coordinates `turn` them.
+  const auto directions = [&](std::uint32_t set, const UvTurn& turn, Vec3f& tangent,
+                              Vec3f& bitangent) {
     float handedness = 1.0f;
     if (surface.tangents_offset) {
       const std::uint32_t shift = *surface.tangents_offset - surface.first_vertex;
@@ -83,12 +108,18 @@ void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hi
       const Vec4f t = w * tangents[0] + u * tangents[1] + v * tangents[2];
       tangent = Vec3f(t);
       handedness = t.w < 0.0f ? -1.0f : 1.0f;
+      if (turn.is_any()) {
+        const Vec3f n = point.shading_normal;
+        const Vec3f along = unit_or(tangent - glm::dot(tangent, n) * n, Basis(n).tangent);
+        tangent = turn.tangent(along, -handedness * glm::cross(n, along));
+        handedness *= turn.handedness();
+      }
     } else if (surface.uv_offset[set]) {
       const std::uint32_t shift = *surface.uv_offset[set] - surface.first_vertex;
       const Vec2f d1 =
-          world.geometry.uv[corners[1] + shift] - world.geometry.uv[corners[0] + shift];
+          turn.moved(world.geometry.uv[corners[1] + shift] - world.geometry.uv[corners[0] + shift]);
       const Vec2f d2 =
-          world.geometry.uv[corners[2] + shift] - world.geometry.uv[corners[0] + shift];
+          turn.moved(world.geometry.uv[corners[2] + shift] - world.geometry.uv[corners[0] + shift]);
       const float determinant = d1.x * d2.y - d1.y * d2.x;
       tangent = (b - a) * d2.y - (c - a) * d1.y;
       if (determinant < 0.0f) tangent = -tangent;
@@ -105,7 +136,10 @@ void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hi
   const auto mapped = [&](const TextureUse& use, float scale) {
     const Vec3f n = point.shading_normal;
     Vec3f tangent, bitangent;
-    if (!surface.uv_offset[use.uv_set] || !directions(use.uv_set, tangent, bitangent)) return n;
+    if (!surface.uv_offset[use.uv_set] ||
+        !directions(use.uv_set, UvTurn(use), tangent, bitangent)) {
+      return n;
+    }
     const Vec4f texel =
         world.textures[use.texture].value(transformed_uv(use, point.uv[use.uv_set]), 0.0f);
     const Vec3f local = (2.0f * Vec3f(texel) - 1.0f) * Vec3f(scale, scale, 1.0f);
@@ -120,7 +154,8 @@ void fill_triangle(const World& world, const TriangleFrame& frame, const Hit& hi
     }
     if (layers.anisotropy) {
       const auto& texture = layers.anisotropy->texture;
-      if (!directions(texture ? texture->uv_set : 0, point.tangent, point.bitangent)) {
+      // A direction of anisotropy is one of the surface, whatever its map's coordinates.
+      if (!directions(texture ? texture->uv_set : 0, {}, point.tangent, point.bitangent)) {
         point.tangent = point.bitangent = Vec3f(0.0f);
       }
     }

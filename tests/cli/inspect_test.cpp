@@ -34,6 +34,22 @@ TEST_F(InspectTest, scene_as_json_says_what_it_holds) {
   EXPECT_NEAR(low.at(2).get<double>(), -9.0, 1e-5);  // Floats, rounded outwards.
 }
 
+TEST_F(InspectTest, what_shines_and_the_environment_are_named_beside_the_lamps) {
+  json shining = json::parse(small_scene());
+  shining["materials"][1]["emissiveFactor"] = {1, 1, 1};
+  write("shining.gltf", shining.dump());
+  json scene = parsed({"inspect", "shining.gltf", "--json"});
+  EXPECT_EQ(scene.at("emitters").at(0).at("name"), "red");
+  EXPECT_EQ(scene.at("emitters").at(0).at("lights_others"), false);
+  EXPECT_EQ(scene.at("emitters").at(0).at("because"), "the file has lamps of its own");
+  EXPECT_FALSE(scene.contains("environment"));
+  scene =
+      parsed({"inspect", "shining.gltf", "--emissive-light", "on", "--rig", "surround", "--json"});
+  EXPECT_EQ(scene.at("emitters").at(0).at("lights_others"), true);
+  EXPECT_EQ(scene.at("emitters").at(0).at("because"), "--emissive-light on");
+  EXPECT_EQ(scene.at("environment").at("spectrum"), "RGB, as a metamer under illuminant/D65");
+}
+
 TEST_F(InspectTest, formula_beyond_its_range_and_rough_surface_are_noted) {
   const json scene = parsed({"inspect", "scene.gltf", "--json"});
   const std::string notes = scene.at("notes").dump();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "abbe/base/constants.h"
 #include "abbe/caustics/flat/bodies.h"
@@ -72,6 +73,61 @@ Description describe_shape(const Instance& instance, const Shape& shape, const S
   return out;
 }
 
+std::set<std::uint32_t> placed_materials(const Scene& scene) {
+  std::set<std::uint32_t> placed;
+  for (const Instance& instance : scene.instances) {
+    if (const auto* mesh = std::get_if<std::uint32_t>(&instance.what)) {
+      placed.insert(scene.meshes[*mesh].material);
+    } else {
+      placed.insert(std::get<Shape>(instance.what).material);
+    }
+  }
+  return placed;
+}
+
+// What shines, whether it lights others, and why.
+Description describe_emitters(const PreparedScene& prepared) {
+  const Scene& scene = prepared.scene;
+  Description out = Description::array();
+  for (const std::uint32_t number : placed_materials(scene)) {
+    const Material& material = scene.materials[number];
+    if (!material.emission && material.emissive_rec709 == Vec3f(0.0f)) continue;
+    const bool is_open = material.lights_others == LightsOthers::Auto;
+    bool lights = is_open ? scene.emissive_light : material.lights_others == LightsOthers::Yes;
+    std::string because = !is_open               ? "its material says so"
+                          : scene.emissive_light ? "the file has no lamps"
+                                                 : "the file has lamps of its own";
+    if (prepared.emissive_light != LightsOthers::Auto) {
+      because = "--emissive-light " + emissive_light_name(prepared.emissive_light);
+    }
+    if (material.unlit) {
+      lights = false;
+      because = "an unlit surface is a picture, not a light";
+    }
+    out.push_back({{"name", name_or_number(material.name, number)},
+                   {"lights_others", lights},
+                   {"because", because}});
+  }
+  return out;
+}
+
+Description describe_environment(const Environment& environment) {
+  const EnvironmentImage& image = environment.image;
+  Description out;
+  out["name"] = environment.name;
+  out["size"] = fmt::format("{}x{}", image.width, image.height);
+  out["spectrum"] = !image.bands.empty()
+                        ? fmt::format("its own {} bands", image.band_nm.size())
+                        : "RGB, as a metamer under " + (!environment.spectrum ? "illuminant/D65"
+                                                        : environment.spectrum->id.empty()
+                                                            ? "its own spectrum"
+                                                            : environment.spectrum->id);
+  out["scale"] = environment.scale;
+  out["rotation_deg"] = environment.rotation_deg;
+  out["visible"] = environment.visible;
+  return out;
+}
+
 Description describe_texture(const Texture& texture, std::size_t number, const Scene& scene) {
   const TextureImage& image = scene.images[texture.image];
   Description out;
@@ -136,6 +192,8 @@ Description describe_scene(const PreparedScene& prepared, Notes& notes) {
   out["lights"] = Description::array();
   for (const Light& light : scene.lights)
     out["lights"].push_back(describe_light(light, scene.origin_m));
+  out["emitters"] = describe_emitters(prepared);
+  if (scene.environment) out["environment"] = describe_environment(*scene.environment);
   if (scene.ambient) {
     out["ambient"] = {{"luminance_cd_per_m2", scene.ambient->luminance_cd_per_m2},
                       {"spectrum", scene.ambient->spectrum.id}};

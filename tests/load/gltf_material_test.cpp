@@ -125,6 +125,13 @@ TEST_F(GltfMaterial, emissive_strength_multiplies) {
   EXPECT_EQ(loaded().emissive_rec709, Vec3f(40, 20, 0));
 }
 
+TEST_F(GltfMaterial, negative_emissive_strength_is_limited) {
+  material()["emissiveFactor"] = {1, 0.5, 0};
+  extension("KHR_materials_emissive_strength") = {{"emissiveStrength", -1}};
+  EXPECT_EQ(loaded().emissive_rec709, Vec3f(0.0f));
+  EXPECT_THAT(notes_text(), HasSubstr("emissiveStrength: -1 is outside 0 to inf; limited"));
+}
+
 TEST_F(GltfMaterial, alpha_double_sided_and_unlit) {
   material()["alphaMode"] = "MASK";
   material()["alphaCutoff"] = 0.25;
@@ -234,6 +241,17 @@ TEST_F(GltfMaterial, unknown_optional_extension_is_a_note_and_a_required_one_an_
   EXPECT_THAT(notes_text(), HasSubstr("EXT_future"));
   document["extensionsRequired"] = {"EXT_future"};
   EXPECT_THAT(error(), HasSubstr("the required extension EXT_future"));
+}
+
+TEST_F(GltfMaterial, required_extension_is_an_error_unless_it_is_optional_by_nature) {
+  // Where things are depends on it.
+  document["extensionsUsed"] = document["extensionsRequired"] = {"KHR_animation_pointer"};
+  EXPECT_THAT(error(), HasSubstr("the required extension KHR_animation_pointer"));
+  for (const char* name : {"KHR_xmp_json_ld", "KHR_materials_future", "EXT_structural_metadata"}) {
+    document["extensionsUsed"] = document["extensionsRequired"] = {name};
+    EXPECT_EQ(error(), "") << name;
+    EXPECT_THAT(notes_text(), HasSubstr(name));
+  }
 }
 
 TEST_F(GltfMaterial, catalogue_glass_implies_clear_polished_glass) {

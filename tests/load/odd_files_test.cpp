@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "load/gltf_builder.h"
 
@@ -65,6 +66,27 @@ class OddDocument : public GltfTest {
     return scene;
   }
 };
+
+TEST_F(OddDocument, what_is_limited_or_left_out_is_an_error_of_a_strict_file) {
+  material()["pbrMetallicRoughness"] = {{"roughnessFactor", 1.5}};
+  expect_fault("roughnessFactor: 1.5 is outside 0 to 1; limited");
+  material().erase("pbrMetallicRoughness");
+  document["extensionsUsed"] = {"EXT_future"};
+  expect_fault("EXT_future");
+  document.erase("extensionsUsed");
+  Json lines = primitive();
+  lines["mode"] = 1;
+  document["meshes"][0]["primitives"].push_back(lines);
+  expect_fault("/meshes/0/primitives");
+  document["meshes"][0]["primitives"].erase(1);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float x : {nan, 0.0f}) {
+    primitive()["attributes"]["POSITION"] = add_accessor(
+        std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, x, 0, 0}, "VEC3");
+    document.erase("buffers");
+    expect_fault(x == 0.0f ? "1 degenerate triangles" : "1 triangles with a corner");
+  }
+}
 
 TEST_F(OddDocument, null_is_as_if_absent) {
   node()["name"] = nullptr;

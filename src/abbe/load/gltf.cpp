@@ -110,8 +110,10 @@ std::vector<int> parentless_nodes(const tinygltf::Model& model) {
 }  // namespace
 }  // namespace gltf
 
-Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
-                const LoadOptions& options, Notes& notes) {
+namespace {
+
+Scene read_scene(const std::filesystem::path& file, const Catalogue& catalogue,
+                 const LoadOptions& options, Notes& notes) {
   gltf::Document document(file, notes, options.strict);
   gltf::check_structure(document);
   gltf::check_extensions(document);
@@ -163,6 +165,22 @@ Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
   scene.content_hash = document.content_hash();
   validate(scene, document.file_name());
   convert_colors_to_rec709(scene);
+  return scene;
+}
+
+}  // namespace
+
+Scene load_gltf(const std::filesystem::path& file, const Catalogue& catalogue,
+                const LoadOptions& options, Notes& notes) {
+  const std::size_t said_before = notes.all().size();
+  Scene scene = read_scene(file, catalogue, options, notes);
+  if (!options.strict) return scene;
+  for (std::size_t i = said_before; i < notes.all().size(); ++i) {
+    const Note& note = notes.all()[i];
+    if (note.kind != NoteKind::Warning) continue;
+    throw_input_error(note.where, note.text,
+                      "nothing to ignore, drop, limit or replace in a strict file");
+  }
   return scene;
 }
 

@@ -19,7 +19,7 @@ struct LoadOptions {
   std::optional<double> time_s = {};
   std::string animation = {};  ///< By name, or by number from 0; empty: all of them.
   std::string variant = {};    ///< Of KHR_materials_variants, by name; empty: none.
-  bool strict = false;         ///< What viewers put up with is an error instead of a warning.
+  bool strict = false;         ///< What would be a warning is an error.
   /// About how many bytes textures may take of the memory; what is beyond lies in a PageStore.
   std::uint64_t texture_memory = std::uint64_t{1} << 30;
 };

@@ -24,7 +24,7 @@ void add_reading_options(CLI::App& command, SceneChoice& choice) {
   add_shown(command, "--variant", choice.variant, "NAME",
             "set of materials of the file to show (default: what it shows first)");
   command.add_flag("--strict", choice.strict,
-                   "what viewers put up with in a file is an error instead of a warning");
+                   "what would be a warning about the file is an error");
   command
       .add_option(
           "--texture-memory", choice.texture_memory,

@@ -47,7 +47,7 @@ void read_emissive(const Fields& source, const std::optional<Fields>& extensions
   double strength = 1.0;
   if (extensions) {
     if (const auto extension = extensions->object("KHR_materials_emissive_strength")) {
-      strength = extension->number("emissiveStrength", 1.0, {0.0});
+      strength = extension->limited("emissiveStrength", 1.0, {0.0});
     }
   }
   Vec3d emitted = strength * factor;

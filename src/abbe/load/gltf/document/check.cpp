@@ -219,10 +219,22 @@ constexpr std::array kUnderstood = {
 };
 
 // What a file may do without by its nature, even where it is listed as required: the shape and the
-// placement of everything is right without it.
+// placement of everything is right without it. What only tells programs something (metadata,
+// behaviour, choices for a user) changes no picture.
 bool is_optional(const std::string& name) {
-  return name.starts_with("KHR_materials_") || name == "KHR_xmp" || name == "KHR_xmp_json_ld" ||
-         name == "KHR_animation_pointer" || name == "MSFT_lod" || name == "AGI_articulations";
+  constexpr std::array kOthers = {"AGI_articulations",
+                                  "AGI_stk_metadata",
+                                  "EXT_instance_features",
+                                  "EXT_mesh_features",
+                                  "EXT_structural_metadata",
+                                  "KHR_interactivity",
+                                  "KHR_node_hoverability",
+                                  "KHR_node_selectability",
+                                  "KHR_xmp",
+                                  "KHR_xmp_json_ld",
+                                  "MSFT_lod"};
+  return name.starts_with("KHR_materials_") ||
+         std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end();
 }
 
 // What our own extensions belong to, as a pointer with * for a number.

@@ -41,7 +41,8 @@ TEST(Accelerators, all_answer_alike_to_the_bit) {
   for (std::size_t i = 0; i < world.spans().primitive_count(); ++i) {
     world.masks.push_back(i % 3 == 0 ? kOpaqueBit : kTransparentBit);
   }
-  for (std::size_t i = 0; i < world.triangles.size(); ++i) world.front_only.push_back(i % 2 == 0 ? 1 : 0);
+  for (std::size_t i = 0; i < world.triangles.size(); ++i)
+    world.front_only.push_back(i % 2 == 0 ? 1 : 0);
   std::vector<Ray> rays = random_rays(random, 4000);
   make_directions_awkward(random, rays);
   const auto first = build_accelerator(accelerator_names().front(), world.spans());

@@ -23,8 +23,7 @@ void add_reading_options(CLI::App& command, SceneChoice& choice) {
             "that move the same, the first)");
   add_shown(command, "--variant", choice.variant, "NAME",
             "set of materials of the file to show (default: what it shows first)");
-  command.add_flag("--strict", choice.strict,
-                   "what would be a warning about the file is an error");
+  command.add_flag("--strict", choice.strict, "what would be a warning about the file is an error");
   command
       .add_option(
           "--texture-memory", choice.texture_memory,

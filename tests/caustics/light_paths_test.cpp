@@ -51,6 +51,29 @@ TEST(LightPaths, way_through_a_slab_obeys_snell_at_both_faces) {
   }
 }
 
+TEST(LightPaths, spot_narrower_than_rays_of_the_search_lie_lights_through_a_pane) {
+  Scene scene = slab_scene();
+  scene.materials.back() = test::glass(1.5);
+  Light spot = test::point_light({0, 2, 0}, 1.0);
+  spot.type = LightType::Spot;
+  spot.to_world = test::translation({0, 2, 0}) * test::rotation({1, 0, 0}, -90.0);
+  spot.inner_cone_rad = 0.001;
+  spot.outer_cone_rad = 0.003;
+  scene.lights = {spot};
+  RenderSettings settings = test::small_settings();
+  settings.inner_reflections = 0;
+  const LitWorld world = test::make_world(scene, settings);
+  const std::vector<LightChain> chains = chains_to_light(world, 0, {0.0, 0.0, 0.0}, 0);
+  ASSERT_EQ(chains.size(), 1u);
+  // 4 % are reflected at each face, and glass 0.4 m thick is as near as 0.4 m / 1.5.
+  const double distance_m = 2.0 - 0.4 * (1.0 - 1.0 / 1.5);
+  const LightPath& path = chains[0].paths.front();
+  // glTF's cone falls off over a cosine of 0.001 at least; that of the rim has seven digits.
+  const double window = std::pow((1.0 - std::cos(0.003)) / 0.001, 2.0);
+  const double expected = window * 0.96 * 0.96 / (distance_m * distance_m);
+  EXPECT_NEAR(path.irradiance, expected, 0.03 * expected);
+}
+
 TEST(LightPaths, lanes_of_a_render_get_the_light_of_the_paths_one_by_one) {
   // Two derivations of the irradiance: the Hessian of the optical length, and ray differentials.
   RenderSettings settings = test::small_settings();

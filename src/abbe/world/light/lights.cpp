@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "abbe/base/constants.h"
 #include "abbe/world/light/lights-inl.h"
 
 namespace abbe {
@@ -155,6 +156,25 @@ std::vector<HalfSpace> beam_bounds(const Light& light) {
     const double half_m = 0.5 * (axis == 0 ? light.beam->width_m : light.beam->height_m);
     bounds.push_back({across, glm::dot(across, origin) + half_m});
     bounds.push_back({-across, -glm::dot(across, origin) + half_m});
+  }
+  return bounds;
+}
+
+std::vector<HalfSpace> spot_bounds(const Light& light) {
+  constexpr double kWidest_rad = 1.2;
+  if (light.type != LightType::Spot || light.outer_cone_rad > kWidest_rad) return {};
+  const Vec3d apex = position_of(light);
+  const Vec3d axis = direction_of(light);
+  const Vec3d u = glm::normalize(
+      glm::cross(axis, std::abs(axis.x) < 0.6 ? Vec3d(1.0, 0.0, 0.0) : Vec3d(0.0, 1.0, 0.0)));
+  const Vec3d v = glm::cross(axis, u);
+  const double wide_rad = light.outer_cone_rad * (1.0 + 1e-6) + 1e-9;
+  std::vector<HalfSpace> bounds;
+  for (int side = 0; side < 8; ++side) {
+    const double turn = 0.25 * kPi * side;
+    const Vec3d across = std::cos(turn) * u + std::sin(turn) * v;
+    const Vec3d normal = std::cos(wide_rad) * across - std::sin(wide_rad) * axis;
+    bounds.push_back({normal, glm::dot(normal, apex)});
   }
   return bounds;
 }

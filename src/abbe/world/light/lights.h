@@ -100,6 +100,10 @@ bool is_parallel(const Light& light);
 /// The half-spaces that hold all that parallel light falls on; none without a beam.
 std::vector<HalfSpace> beam_bounds(const Light& light);
 
+/// A pyramid of eight sides about the cone of a spot; empty for other lights and for spots whose
+/// cone is wider than a pyramid holds well.
+std::vector<HalfSpace> spot_bounds(const Light& light);
+
 /// Whether a lamp may shine on a ball; errs to yes.
 /// Domain: no parallel light; `axis` points from the lamp to the ball, which it sees within
 ///         `angle_rad` of it.

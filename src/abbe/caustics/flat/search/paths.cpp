@@ -126,8 +126,7 @@ class PathFinder {
   };
 
   void find_lit_polygons() {
-    std::vector<HalfSpace> beam;
-    if (is_parallel_) beam = beam_bounds(light_);
+    const std::vector<HalfSpace> beam = is_parallel_ ? beam_bounds(light_) : spot_bounds(light_);
     for (const Regions::Group& group : regions_.border(tree_.nodes[0].region)) {
       for (const FacetSide& side : group.sides) {
         const Facet& facet = search_.flat.facets[side.facet];

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -33,8 +32,10 @@ constexpr int kSlices = 4;
 
 class Searcher {
  public:
-  Searcher(const ChainSearch& search, const PathTree& tree, const Light& light)
-      : search_(search),
+  Searcher(const ChainSearch& search, const PathTree& tree, const Light& light,
+           const std::function<void(const ConeOnPath&)>& show)
+      : show_(show),
+        search_(search),
         tree_(tree),
         source_(light),
         tables_(search.tables),
@@ -50,7 +51,7 @@ class Searcher {
     }
   }
 
-  std::vector<ConeOnPath> run() {
+  void run() {
     for (const std::uint32_t child : tree_.nodes[0].children) {
       const std::uint32_t face = tree_.nodes[child].place;
       const auto known = std::find_if(starts_.begin(), starts_.end(),
@@ -65,6 +66,7 @@ class Searcher {
         static_cast<int>(
             std::log2(kFirstCones / std::max<double>(1.0, static_cast<double>(starts_.size())))),
         4, kMaxCuts);
+    const std::vector<HalfSpace> bounds = spot_bounds(source_);
     for (const Start& start : starts_) {
       const FlatBody& body = body_of(start.face);
       body_radius_m_ = 0.0;
@@ -72,10 +74,11 @@ class Searcher {
         body_radius_m_ = std::max(body_radius_m_, flat_.faces[f].radius_m);
       }
       for (std::uint32_t i = 0; i < flat_.faces[start.face].facet_count; ++i) {
-        cut(flat_.facets[flat_.faces[start.face].first_facet + i].corners, start, 0);
+        std::vector<Vec3d> lit = flat_.facets[flat_.faces[start.face].first_facet + i].corners;
+        for (const HalfSpace& bound : bounds) lit = clipped(lit, bound.normal, bound.distance);
+        cut(lit, start, 0);
       }
     }
-    return std::move(found_);
   }
 
  private:
@@ -153,7 +156,7 @@ class Searcher {
       cut(b, start, cuts + 1);
       return;
     }
-    std::move(pending_.begin(), pending_.end(), std::back_inserter(found_));
+    for (const ConeOnPath& found : pending_) show_(found);
     pending_.clear();
   }
 
@@ -288,6 +291,7 @@ class Searcher {
     return arrived;
   }
 
+  const std::function<void(const ConeOnPath&)>& show_;
   const ChainSearch& search_;
   const PathTree& tree_;
   const Light& source_;
@@ -305,14 +309,13 @@ class Searcher {
   std::vector<FaceEvent> path_;
   std::vector<Vec3d> axes_;
   std::vector<ConeOnPath> pending_;
-  std::vector<ConeOnPath> found_;
 };
 
 }  // namespace
 
-std::vector<ConeOnPath> search_cones(const ChainSearch& search, const PathTree& tree,
-                                     const Light& light) {
-  return Searcher(search, tree, light).run();
+void search_cones(const ChainSearch& search, const PathTree& tree, const Light& light,
+                  const std::function<void(const ConeOnPath&)>& show) {
+  Searcher(search, tree, light, show).run();
 }
 
 }  // namespace abbe

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <tuple>
 #include <vector>
 
@@ -31,8 +32,9 @@ struct ConeOnPath {
   double largest = 0.0;     ///< Bound of what it adds to the light of the lamp.
 };
 
-/// Follows all light of a point or spot light over the paths of a tree.
-std::vector<ConeOnPath> search_cones(const ChainSearch& search, const PathTree& tree,
-                                     const Light& light);
+/// Follows all light of a point or spot light over the paths of a tree, and shows the cones one
+/// after the other: together they would take gigabytes.
+void search_cones(const ChainSearch& search, const PathTree& tree, const Light& light,
+                  const std::function<void(const ConeOnPath&)>& show);
 
 }  // namespace abbe

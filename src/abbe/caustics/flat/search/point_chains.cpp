@@ -93,6 +93,7 @@ ConeBounds rounded(const Bounds& bounds) {
 struct Gathered {
   std::vector<Bounds> cones;
   std::uint32_t last_part = 0;  ///< The last of the cones is of this part of the light.
+  std::size_t parts_in_last = 0, parts_in_cone = 1;  ///< Parts of it, and that any may be of.
   LaneMask lanes;
   double largest = 0.0;
   std::vector<Vec3d> axes;
@@ -132,7 +133,7 @@ class Maker {
       bounds.reach[k] = std::min(ball_reach, reach_of(face, along));
       bounds.slope[k] = largest_slope(found.cone, along, normal);
     }
-    if (into.cones.empty() || into.last_part != found.part) into.cones.emplace_back();
+    if (into.cones.empty() || into.last_part != found.part) add_part(into);
     into.cones.back().include(bounds);
     into.last_part = found.part;
   }
@@ -167,6 +168,25 @@ class Maker {
   }
 
  private:
+  // Makes room for the next part of the light. Of too many, neighbours share their bounds at once:
+  // what is kept of a chain stays small.
+  static void add_part(Gathered& into) {
+    if (!into.cones.empty() && into.parts_in_last < into.parts_in_cone) {
+      ++into.parts_in_last;
+      return;
+    }
+    if (into.cones.size() == 16 * kMaxCones) {
+      for (std::size_t i = 0; i < into.cones.size() / 2; ++i) {
+        into.cones[i] = into.cones[2 * i];
+        into.cones[i].include(into.cones[2 * i + 1]);
+      }
+      into.cones.resize(into.cones.size() / 2);
+      into.parts_in_cone *= 2;
+    }
+    into.cones.emplace_back();
+    into.parts_in_last = 1;
+  }
+
   // How far a face goes in a direction, from the origin of its frame.
   double reach_of(std::uint32_t number, const Vec3d& along) const {
     const Face& face = flat_.faces[number];
@@ -269,9 +289,8 @@ ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::
     return a < b;
   };
   std::map<std::vector<FaceEvent>, Gathered, decltype(before)> gathered(before);
-  for (const ConeOnPath& found : search_cones(search, tree, light)) {
-    maker.gather(found, gathered[found.path]);
-  }
+  search_cones(search, tree, light,
+               [&](const ConeOnPath& found) { maker.gather(found, gathered[found.path]); });
   std::optional<std::tuple<std::uint32_t, ChainEvent>> open;
   for (const auto& [path, what] : gathered) {
     if (!(what.largest > 0.0)) continue;

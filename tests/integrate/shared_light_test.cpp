@@ -166,6 +166,22 @@ TEST(SharedLight, behind_a_boundary_it_is_counted_once) {
   EXPECT_NEAR(seen(scene, 256).mean / light_of_square(kRoughness, kHalf), 1.0, 0.02);
 }
 
+TEST(SharedLight, lamp_that_touches_rough_glass_is_counted_once) {
+  Material glass = test::glass(1.5);
+  glass.roughness = 0.4f;
+  Scene scene;
+  test::add_box_mesh(scene, test::add(scene, glass), {0.1, 0.1, 0.05}, Mat4d(1.0));
+  test::add_square(scene, test::add(scene, shining()), 0.1, test::translation({0, 0, -0.05}));
+  scene.cameras.push_back(test::orthographic_camera(kView, {0, 0, 0}, 0.02, 0.02));
+  const Seen by_rays = seen(scene, 64);
+  scene.emissive_light = true;
+  const Seen by_both = seen(scene, 64);
+  // Three standard errors of 64 pixels each; a shadow ray that ends before the boundary adds 10 %.
+  const double error = std::hypot(by_rays.deviation, by_both.deviation) / 8.0;
+  EXPECT_NEAR(by_both.mean, by_rays.mean, 3.0 * error);
+  EXPECT_LT(3.0 * error, 0.05 * by_rays.mean);
+}
+
 TEST(SharedLight, one_bright_texel_is_a_highlight_of_rough_metal) {
   constexpr int kWidth = 64, kHeight = 32, kColumn = 40, kRow = 8;
   constexpr double kRadiance = 1e4, kRoughness = 0.7;

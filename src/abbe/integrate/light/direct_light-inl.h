@@ -159,7 +159,7 @@ class DirectLight {
                                    to_light.irradiance.v);
       Splat(d, stride_, drawn->density, density);
       for (int lane = 0; lane < stride_; ++lane) to_light.irradiance[lane] /= drawn->density;
-      send_shared(surface, to_light, density, 0.0f, samples, number,
+      send_shared(surface, to_light, density, 0.0f, samples, number, std::nullopt,
                   [&](int lane) { return shadow_ray(hit, to_light, lane); });
     }
   }
@@ -183,9 +183,10 @@ class DirectLight {
       DimByCoat(world_, *spot, hit.position, surface.shaded.rows.n_medium, radiance);
       LightFromSpot(*spot, stride_, radiance, hit.position, to_light, &density);
       const float fog_per_m = world_.fog ? world_.fog->extinction_per_m : 0.0f;
-      send_shared(surface, to_light, density, fog_per_m, samples, number, [&](int lane) {
-        return ray_to_spot(*spot, rounding_m, origin_of(hit, to_light, lane));
-      });
+      send_shared(
+          surface, to_light, density, fog_per_m, samples, number,
+          ShadowEnd{world_.geometry.surface_of(spot->primitive), spot->normal, rounding_m},
+          [&](int lane) { return ray_to_spot(*spot, rounding_m, origin_of(hit, to_light, lane)); });
     }
   }
 
@@ -195,7 +196,8 @@ class DirectLight {
   template <class RayOf>
   void send_shared(const LitSurface& surface, const LightGeometry& to_light,
                    const LaneArray& density, float fog_per_m, const LightSamples& samples,
-                   std::uint32_t number, const RayOf& ray_of) {
+                   std::uint32_t number, const std::optional<ShadowEnd>& shining,
+                   const RayOf& ray_of) {
     const D d;
     const SurfaceHit& hit = surface.where.hit;
     LaneArray broad, rough, through;
@@ -213,6 +215,7 @@ class DirectLight {
       dim_by_fog(*behind, through);
       ShadowJob beyond;
       beyond.is_unbent = true;
+      beyond.ends_on = shining;
       if (note(surface, through, beyond)) {
         beyond.media = *behind;
         beyond.departure = departure_from(hit, beyond.lanes, to_light.direction);
@@ -222,6 +225,7 @@ class DirectLight {
     if (rays_may_bend_) {
       ShadowJob unbent;
       unbent.is_unbent = true;
+      unbent.ends_on = shining;
       const bool has_broad = note(surface, broad, job);
       const bool has_rough = note(surface, rough, unbent);
       if (has_broad && has_rough) job.lanes = unbent.lanes = job.lanes | unbent.lanes;

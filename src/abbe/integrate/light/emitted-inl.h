@@ -101,7 +101,7 @@ inline void LightFromSpot(const WorldEmitters::Spot& spot, int stride, const Lan
     geometry.distance_m[lane] = distance;
     const float per_shown = distance2 * spot.per_m2;
     geometry.irradiance[lane] = radiance[lane] * shown / per_shown;
-    if (density != nullptr) (*density)[lane] = per_shown / std::max(shown, 1e-30f);
+    if (density != nullptr) (*density)[lane] = per_shown / std::max(shown, 1e-15f);
   }
 }
 

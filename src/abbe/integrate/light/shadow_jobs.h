@@ -22,6 +22,14 @@ enum class AtGlass : std::uint8_t {
 };
 inline constexpr std::size_t kAtGlassRules = 4;
 
+/// Where a shadow ray ends short of a surface that shines: by 1e-5 of its length, and by
+/// `rounding_m` over its cosine.
+struct ShadowEnd {
+  std::uint32_t surface = 0;
+  Vec3f normal{0.0f};
+  float rounding_m = 0.0f;
+};
+
 /// Light on its way to lanes that wait to know whether it is blocked.
 struct ShadowJob {
   std::uint32_t sample = 0;
@@ -34,6 +42,8 @@ struct ShadowJob {
   FanOrigin first_turn = FanOrigin::Camera;
   bool spread = false;
   bool is_unbent = false;  ///< Its light ends where the eye's rays would not go on straight.
+  /// Where it ends, if at a surface that shines: what lies on that counts for such light, too.
+  std::optional<ShadowEnd> ends_on;
   AtGlass at_glass = AtGlass::Passes;
   /// A part of a chain's path that only multiplies the visibility of another job, of this data.
   std::optional<std::uint32_t> gate_of;

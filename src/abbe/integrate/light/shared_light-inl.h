@@ -110,6 +110,7 @@ HWY_MAYBE_UNUSED HWY_NOINLINE void SharesOfRays(const World& world, const FanLis
     const float cosine = std::abs(glm::dot(hit.direction.get(lane), hit.outward.get(lane)));
     const float of_light = shared.light_samples * per_m2 * way_m * way_m;
     const float of_ray = list.per_sr(fan, lane, stride) * cosine;
+    if (!(of_light > 0.0f)) return 1.0f;  // On the surface that sent the ray.
     return of_ray / (of_ray + of_light);
   };
   const int leader = hit.lanes.front();

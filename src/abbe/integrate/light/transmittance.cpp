@@ -21,6 +21,7 @@ struct ShadowPath {
   std::uint32_t visibility = 0;  ///< Offset in ShadowBuffers::data.
   int set = 0;
   bool is_unbent = false;
+  std::optional<ShadowEnd> ends_on = {};
   std::size_t flat_crossings = 0;  ///< Facets of glass that chains lead over.
 };
 
@@ -68,6 +69,9 @@ bool goes_straight(const World& world, const SurfaceMaterial& material,
   return point.tangent == Vec3f(0.0f) || !(along * along * (1.0f - least) > 0.01f * least);
 }
 
+// They end 1e-5 of their length before it (emitted-inl.h); a little beyond it is no longer on it.
+constexpr float kOnEmitter = 1.3e-5f;
+
 class ShadowTransmittance {
  public:
   ShadowTransmittance(const World& world, ShadowBuffers& buffers, const ShadowQueries& queries,
@@ -95,7 +99,7 @@ class ShadowTransmittance {
       if (queries_.ray_occluded[job.first_query] != 0) return;
       if (job.media.empty() && passing_ == 0) return;
       in_flight_.push_back({queries_.rays[job.first_query], job.departure, job.media, job.lanes,
-                            visibility, set, job.is_unbent});
+                            visibility, set, job.is_unbent, job.ends_on});
       return;
     }
     for_each_lane(job.lanes, world_.lanes.lane_count(), [&](int lane) {
@@ -103,7 +107,8 @@ class ShadowTransmittance {
       const int i = lane % 16;
       if ((queries_.packet_occluded[packet_index] >> i) & 1u) return;
       const bool meets = ((meets_[packet_index] >> i) & 1u) != 0;
-      if (job.media.empty() && !meets && !job.departure.is_crowded()) return;
+      const bool ends_before = job.ends_on && passing_ != 0;  // What lies there is asked below.
+      if (job.media.empty() && !meets && !ends_before && !job.departure.is_crowded()) return;
       const RayPacket& packet = queries_.packets[packet_index];
       ShadowPath path;
       path.ray = ray_of(packet, i);
@@ -113,6 +118,7 @@ class ShadowTransmittance {
       path.visibility = visibility;
       path.set = set;
       path.is_unbent = job.is_unbent;
+      path.ends_on = job.ends_on;
       in_flight_.push_back(path);
     });
   }
@@ -136,6 +142,12 @@ class ShadowTransmittance {
       Ray line = path.ray;
       line.origin -= path.departure.reach_m * line.direction;
       line.t_max += path.departure.reach_m;
+      // Shadow rays end short of what shines, and so of glass that touches it.
+      if (path.ends_on) {
+        const float cosine =
+            std::max(std::abs(glm::dot(line.direction, path.ends_on->normal)), 1e-3f);
+        line.t_max += kOnEmitter * path.ray.t_max + 2.0f * path.ends_on->rounding_m / cosine;
+      }
       lines_.push_back(line);
     }
     found_.clear();
@@ -172,8 +184,10 @@ class ShadowTransmittance {
         for (next = 0; next < list_.all().size() && !(list_.all()[next].last_t > t);) ++next;
       }
     }
+    const auto end = static_cast<double>(path.ray.t_max + path.departure.reach_m);
     for (; next < list_.all().size(); ++next) {
       const Interface& met = list_.all()[next];
+      if (met.t > end && path.ends_on && met.surface == path.ends_on->surface) continue;
       const std::uint32_t number = world_.geometry.surfaces[met.surface].material;
       const SurfaceMaterial& material = world_.materials[number];
       const std::span<const MetFace> faces = list_.faces(met);
@@ -190,7 +204,7 @@ class ShadowTransmittance {
                     [&](int lane) { lit |= visibility(path)[lane] > 0.0f; });
       if (!lit) return;
     }
-    absorb(path, path.media.owner(), static_cast<double>(line.t_max) - t);
+    absorb(path, path.media.owner(), std::max(end - t, 0.0));
     const bool is_on_chains = path.flat_crossings > 0 && path.flat_crossings <= kMaxRefractions;
     if (rule_ != AtGlass::Counts || !is_on_chains) return;
     for_each_lane(path.lanes, world_.lanes.lane_count(),

@@ -112,7 +112,7 @@ TEST_F(GltfEnvironment, chromaticities_of_a_wider_gamut_are_converted) {
   EXPECT_NEAR(green.y, 1.1329, 2e-4);
   EXPECT_NEAR(green.z, -0.1006, 2e-4);
   EXPECT_NEAR(image.rgb_rec709.at(1).x, 0.5, 1e-5);  // White stays, to the rounding of floats.
-  EXPECT_EQ(notes_text(), "");
+  EXPECT_THAT(notes_text(), HasSubstr("1 texels of the environment have a negative red"));
 }
 
 TEST_F(GltfEnvironment, texels_that_are_no_light_are_counted) {

@@ -139,6 +139,9 @@ TEST_F(GltfDocument, uri_out_of_the_folder_is_an_error) {
 TEST_F(GltfDocument, uri_of_an_unused_image_is_checked_too) {
   document["images"] = {{{"uri", "../../secret.png"}}};
   EXPECT_THAT(error(), HasSubstr("/images/0/uri"));
+  // Out and in again would tell the names of folders outside.
+  document["images"] = {{{"uri", "a/../../" + folder.filename().string() + "/b.png"}}};
+  EXPECT_THAT(error(), HasSubstr("leaves the folder"));
 }
 
 TEST_F(GltfDocument, data_uri_is_decoded_and_checked) {
@@ -146,6 +149,8 @@ TEST_F(GltfDocument, data_uri_is_decoded_and_checked) {
   const std::string triangle = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
   EXPECT_EQ(error_of_uri("data:application/octet-stream;base64," + triangle), "");
   EXPECT_EQ(error_of_uri("data:;base64," + triangle), "");
+  EXPECT_EQ(error_of_uri("DATA:;base64, " + triangle.substr(0, 10) + "\r\n" + triangle.substr(10)),
+            "");
   for (const std::string& tail :
        {std::string(";base64,") + triangle.substr(1), ";base64,*" + triangle.substr(1),
         std::string(";base64,"), std::string(";base64"), ";base64," + triangle.substr(0, 40)}) {

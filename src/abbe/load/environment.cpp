@@ -40,11 +40,15 @@ void check_size(int width, int height, std::size_t channels, const std::string& 
   }
 }
 
-// What of the values is no radiance, in words; each becomes black.
+// Of a texel's luminance: what matrices and filters leave of a channel that is 0.
+constexpr float kNoise = 1e-3f;
+
+// What of the values is no radiance, in words.
 class Losses {
  public:
   void add_not_finite() { ++not_finite_; }
   void add_negative() { ++negative_; }
+  void add_outside() { ++outside_; }
   void tell(const std::string& where, Notes& notes) const {
     if (not_finite_ > 0) {
       notes.warn(where, fmt::format("{} texels of the environment are not finite: taken as black",
@@ -55,10 +59,15 @@ class Losses {
                  fmt::format("{} texels of the environment have negative light: taken as none",
                              negative_));
     }
+    if (outside_ > 0) {
+      notes.warn(where, fmt::format("{} texels of the environment have a negative red, green or "
+                                    "blue of Rec. 709: taken as none of it",
+                                    outside_));
+    }
   }
 
  private:
-  std::size_t not_finite_ = 0, negative_ = 0;
+  std::size_t not_finite_ = 0, negative_ = 0, outside_ = 0;
 };
 
 EnvironmentImage spectral_image(const Image& image, const std::string& where, Notes& notes) {
@@ -136,6 +145,8 @@ EnvironmentImage color_image(const Image& image, const Mat3d& to_rec709, const s
     } else if (luminance < 0.0) {
       losses.add_negative();
       color = Vec3f(0.0f);
+    } else if (std::min({color.r, color.g, color.b}) < -kNoise * static_cast<float>(luminance)) {
+      losses.add_outside();
     }
     result.rgb_rec709[t] = color;
   }

@@ -25,7 +25,7 @@ std::string frame_file(const std::string& file, std::uint32_t frame, const std::
   const std::size_t slash = file.find_last_of('/');
   if (end == std::string::npos || (slash != std::string::npos && end < slash)) {
     throw_usage_error(option, in_quotes(file),
-                      "a name with # where the number of a frame goes, as out.####.exr");
+                      "a file name with # where the number of a frame goes, as out.####.exr");
   }
   std::size_t begin = end;
   while (begin > 0 && file[begin - 1] == '#') --begin;

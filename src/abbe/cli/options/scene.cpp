@@ -3,12 +3,30 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstdint>
+#include <string>
+
 #include "abbe/accel/accelerator.h"
 #include "abbe/base/error.h"
+#include "abbe/base/text.h"
 #include "abbe/cli/options/typed.h"
 #include "abbe/film/filter.h"
 
 namespace abbe {
+namespace {
+
+// Bytes; units are powers of 1024.
+std::uint64_t parse_bytes(const std::string& text) {
+  std::string bytes = text;
+  std::uint64_t size = 0;
+  const bool is_size = !text.empty() && text.front() >= '0' && text.front() <= '9' &&
+                       CLI::AsSizeValue(false)(bytes).empty() &&
+                       CLI::detail::lexical_cast(bytes, size);
+  if (!is_size) throw_usage_error("--texture-memory", in_quotes(text), "a size, as 512MB or 4GB");
+  return size;
+}
+
+}  // namespace
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("SCENE", options.choice.file, "glTF scene, .gltf or .glb")->required();
@@ -25,12 +43,12 @@ void add_reading_options(CLI::App& command, SceneChoice& choice) {
             "set of materials of the file to show (default: what it shows first)");
   command.add_flag("--strict", choice.strict, "what would be a warning about the file is an error");
   command
-      .add_option(
-          "--texture-memory", choice.texture_memory,
+      .add_option_function<std::string>(
+          "--texture-memory",
+          [&choice](const std::string& text) { choice.texture_memory = parse_bytes(text); },
           "about how much memory textures may take, as 512MB or 4GB; what is beyond lies in "
           "a file in TMPDIR or /var/tmp, and the image is the same (default: 1GB)")
-      ->type_name("SIZE")
-      ->transform(CLI::AsSizeValue(false));
+      ->option_text("SIZE");
 }
 
 void add_view_options(CLI::App& command, SceneOptions& options) {

@@ -1,6 +1,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <system_error>
 
 #include "abbe/base/error.h"
@@ -23,6 +24,29 @@ int hex_value(char c) {
 
 bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+constexpr std::string_view kData = "data:";
+
+// Schemes have no case.
+bool is_data(const std::string& uri) {
+  const auto is_same = [](char a, char b) { return a == b || a == b - 'a' + 'A'; };
+  return uri.size() >= kData.size() &&
+         std::equal(kData.begin(), kData.end(), uri.begin(),
+                    [&](char letter, char c) { return is_same(c, letter); });
+}
+
+// Whether a path, followed name by name, is outside of where it starts at any time.
+bool leaves(const fs::path& relative) {
+  int depth = 0;
+  for (const fs::path& name : relative) {
+    if (name == "..") {
+      if (--depth < 0) return true;
+    } else if (!name.empty() && name != ".") {
+      ++depth;
+    }
+  }
+  return false;
 }
 
 // Whether a URI begins with a scheme such as http: or file:.
@@ -63,7 +87,16 @@ std::string percent_decoded(const std::string& text, const std::string& where) {
   return result;
 }
 
-std::vector<std::uint8_t> base64_decoded(std::string_view text, const std::string& where) {
+std::vector<std::uint8_t> base64_decoded(std::string_view given, const std::string& where) {
+  // Lines may be broken, as in mail.
+  constexpr std::string_view kBlank = " \t\r\n";
+  std::string without_blanks;
+  std::string_view text = given;
+  if (given.find_first_of(kBlank) != std::string_view::npos) {
+    std::copy_if(given.begin(), given.end(), std::back_inserter(without_blanks),
+                 [&](char c) { return kBlank.find(c) == std::string_view::npos; });
+    text = without_blanks;
+  }
   static const std::array<std::int8_t, 256> kValues = [] {
     std::array<std::int8_t, 256> values{};
     values.fill(-1);
@@ -116,7 +149,7 @@ fs::path Document::checked_relative(const std::string& path, const std::string& 
   if (has_scheme(path)) throw_input_error(place, quoted(path) + " with a scheme", kInsideFolder);
   const fs::path relative(path);
   // By the text alone, before the file system is asked anything.
-  if (relative.is_absolute() || !is_inside((folder_ / relative).lexically_normal())) {
+  if (relative.is_absolute() || leaves(relative)) {
     throw_input_error(place, quoted(path) + ", which leaves the folder", kInsideFolder);
   }
   return relative;
@@ -153,7 +186,7 @@ void Document::check_uri(const std::string& uri, const std::string& pointer) con
 }
 
 bool Document::has_uri(const std::string& uri, const std::string& pointer) const {
-  if (uri.rfind("data:", 0) == 0) return true;
+  if (is_data(uri)) return true;
   std::error_code error;
   return fs::exists(folder_ / checked_relative(decoded_uri(uri, pointer), pointer), error);
 }
@@ -163,12 +196,12 @@ fs::path Document::resolve_uri(const std::string& uri, const std::string& pointe
 }
 
 Bytes Document::read_uri(const std::string& uri, const std::string& pointer) {
-  if (uri.rfind("data:", 0) != 0) return read_resolved(resolve_uri(uri, pointer), pointer);
+  if (!is_data(uri)) return read_resolved(resolve_uri(uri, pointer), pointer);
 
   const std::string place = where(pointer);
   const std::size_t comma = uri.find(',');
   if (comma == std::string::npos) throw_input_error(place, "data: without a comma", "a data: URI");
-  const std::string type = uri.substr(5, comma - 5);
+  const std::string type = uri.substr(kData.size(), comma - kData.size());
   const std::string_view content = std::string_view(uri).substr(comma + 1);
   constexpr std::string_view kBase64 = ";base64";
   const bool is_base64 = type.ends_with(kBase64);

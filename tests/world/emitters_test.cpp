@@ -103,7 +103,7 @@ TEST(Emitters, balls_are_seen_as_cones_and_ellipsoids_as_the_ball_they_are) {
 TEST(Emitters, a_box_of_planes_is_its_faces) {
   Scene scene = lit();
   test::add_box(scene, 0, {0.5, 0.25, 1.0}, Mat4d(1.0));
-  Scene mesh = lit();
+  Scene mesh = lit(true);  // Exact shapes have both sides.
   test::add_box_mesh(mesh, 0, {0.5, 0.25, 1.0}, Mat4d(1.0));
   const Sum of_planes = drawn(world_of(scene), {2, 1, 0.5f});
   EXPECT_NEAR(of_planes.solid_angle_sr / drawn(world_of(mesh), {2, 1, 0.5f}).solid_angle_sr, 1.0,

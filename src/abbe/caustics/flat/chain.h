@@ -62,7 +62,9 @@ struct ChainPath {
   Vec3f origin{0.0f};    ///< Points are taken relative to it: keeps precision.
   float slack_m = 0.0f;  ///< Covers the rounding errors of places on its facets across them.
   float drift_m = 0.0f;  ///< What such places may be off along their facets.
-  float largest = 0.0f;  ///< Bound of what it adds to the light of its lamp, for any lane.
+  /// Of two the one that brings more comes first: light in all or, of parallel light, the most that
+  /// any place may get.
+  float weight = 0.0f;
 
   /// The medium in which it lights places; none: air.
   std::optional<std::uint32_t> ends_in() const { return steps.back().goes_on_in(); }

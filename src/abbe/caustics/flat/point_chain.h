@@ -95,7 +95,7 @@ struct PointChainGroup {
   Vec3f origin{0.0f}, normal{0.0f}, u{0.0f}, v{0.0f};  ///< The normal points to what is lit.
   ConeBounds bounds;                                   ///< Of all of them.
   std::uint32_t first_chain = 0, chain_count = 0;
-  float largest = 0.0f;
+  float weight = 0.0f;
 };
 
 /// The chains of all point and spot lights.

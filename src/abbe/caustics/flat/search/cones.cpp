@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "abbe/base/constants.h"
-#include "abbe/caustics/flat/facet_optics.h"
 #include "abbe/math/polygon.h"
 #include "abbe/optics/snell.h"
 #include "abbe/world/light/lights.h"
@@ -145,7 +144,7 @@ class Searcher {
       ++part_;
       for (const std::vector<MaterialRange>& ranges : slices_) {
         ranges_ = &ranges;
-        for (const std::uint32_t node : start.nodes) arrive(from_lamp, cone, node, 1.0);
+        for (const std::uint32_t node : start.nodes) arrive(from_lamp, cone, node);
       }
       again = widest_rad_ > kStillNarrow_rad && cuts < max_cuts_ + kMaxFurtherCuts &&
               cone.radius_m > 0.02 * body_radius_m_;
@@ -162,8 +161,8 @@ class Searcher {
 
   // The light of a cone behind the face of a node, and from there on. `beam` has gone straight or
   // been reflected since it was refracted last; `spot` is the same light with its ball where it
-  // meets the face. `share` bounds the irradiance that it has kept.
-  void arrive(const BeamCone& beam, const BeamCone& spot, std::uint32_t number, double share) {
+  // meets the face.
+  void arrive(const BeamCone& beam, const BeamCone& spot, std::uint32_t number) {
     const PathNode& node = tree_.nodes[number];
     const Facet& plane = plane_of(node.place);
     const FacetMedia media = search_.media_of(plane);
@@ -171,7 +170,6 @@ class Searcher {
     const BeamCone cone = crossing(spot, from_inside ? plane.normal : -plane.normal);
     BeamCone behind = cone;
     BeamCone goes_on;
-    double kept = share;
     if (refracts(node.event)) {
       MaterialRange before = range_of(media.outside);
       MaterialRange after = range_of(media.inside);
@@ -181,20 +179,18 @@ class Searcher {
       if (!refracted) return;
       behind = *refracted;
       goes_on = behind;
-      kept *= transmitted(cone, plane, media, from_inside);
     } else {
       // The ball is mirrored rather than where it meets the face: aslant that is larger, each time.
       behind.axis = reflected_direction(cone.axis, plane.normal);
       goes_on = beam;
       goes_on.axis = reflected_direction(beam.axis, plane.normal);
       goes_on.center -= 2.0 * (glm::dot(plane.normal, beam.center) - plane.distance) * plane.normal;
-      kept *= reflected(cone, plane, media, from_inside);
     }
     path_.push_back({node.place, node.event});
     axes_.push_back(behind.axis);
     if (search_.lights_places(node.region)) {
       widest_rad_ = std::max(widest_rad_, behind.angle_rad);
-      pending_.push_back({part_, path_, axes_, behind, node.lanes, kept});
+      pending_.push_back({part_, path_, axes_, behind, node.lanes, node.flux});
     }
     for (const std::uint32_t child : node.children) {
       const PathNode& next = tree_.nodes[child];
@@ -202,59 +198,11 @@ class Searcher {
       const double cosine = glm::dot(plane_of(next.place).normal, behind.axis);
       if ((inside ? cosine : -cosine) <= -std::sin(std::min(behind.angle_rad, 0.5 * kPi))) continue;
       if (const auto arrived = arrival(goes_on, next.place, inside)) {
-        arrive(goes_on, *arrived, child, kept);
+        arrive(goes_on, *arrived, child);
       }
     }
     path_.pop_back();
     axes_.pop_back();
-  }
-
-  // The most that an irradiance grows by behind a boundary, share·cosθ_i/cosθ_t, over the range of
-  // angles and wavelengths.
-  double transmitted(const BeamCone& cone, const Facet& plane, const FacetMedia& media,
-                     bool from_inside) const {
-    const AngleRange range = angles_with(cone, plane.normal);
-    const MaterialRange inside = range_of(media.inside);
-    const MaterialRange outside = range_of(media.outside);
-    const double n = (inside.low + inside.high) / (outside.low + outside.high);
-    const double eta = from_inside ? 1.0 / n : n;
-    // Where cosθ_t goes to 0, τ·cosθ_i/cosθ_t goes to at most 2(n + 1/n).
-    const double limit = 2.0 * (n + 1.0 / n);
-    double most = 0.0;
-    for (const double angle :
-         {range.low_rad, 0.5 * (range.low_rad + range.high_rad), range.high_rad}) {
-      const double cosine = std::cos(angle);
-      const double share = share_of(media, cosine, from_inside, false);
-      const double sine = std::sin(angle) / eta;
-      const double cos_out = std::sqrt(std::max(0.0, 1.0 - sine * sine));
-      const double ratio = cos_out > 1e-3 ? share * cosine / cos_out : limit;
-      most = std::max({most, share, std::min(ratio, limit)});
-    }
-    return std::sin(range.high_rad) / eta > 1.0 ? std::max(most, limit) : most;
-  }
-
-  double reflected(const BeamCone& cone, const Facet& plane, const FacetMedia& media,
-                   bool from_inside) const {
-    const AngleRange range = angles_with(cone, plane.normal);
-    double most = 0.0;
-    for (const double angle :
-         {range.low_rad, 0.5 * (range.low_rad + range.high_rad), range.high_rad}) {
-      most = std::max(most, share_of(media, std::cos(angle), from_inside, true));
-    }
-    return most;
-  }
-
-  // At the first, middle and last lane: materials are smooth in between.
-  double share_of(const FacetMedia& media, double cosine, bool from_inside,
-                  bool of_reflection) const {
-    double most = 0.0;
-    const int last = tables_.lanes.lane_count() - 1;
-    for (const int lane : {0, last / 2, last}) {
-      const double reflectance = facet_reflectance(tables_, media, {0, lane}, cosine, from_inside);
-      const double tint = static_cast<double>(tables_.row(media.inside->base_color, 0)[lane]);
-      most = std::max(most, of_reflection ? reflectance : (1.0 - reflectance) * tint);
-    }
-    return most;
   }
 
   // The cone where it arrives at a face; nothing if it misses it.

@@ -29,7 +29,7 @@ struct ConeOnPath {
   std::vector<Vec3d> axes;  ///< Before the first face and behind each, in the world.
   BeamCone cone;            ///< Behind the last face; world coordinates.
   LaneMask lanes;           ///< That are followed over the path.
-  double largest = 0.0;     ///< Bound of what it adds to the light of the lamp.
+  double flux = 0.0;        ///< Of the whole path.
 };
 
 /// Follows all light of a point or spot light over the paths of a tree, and shows the cones one

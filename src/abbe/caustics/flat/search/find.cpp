@@ -118,7 +118,7 @@ FlatCaustics find_flat_caustics(const Scene& scene, const TabulatedScene& tables
   result.point = std::move(found.point);
   std::stable_sort(
       result.parallel.chains.begin(), result.parallel.chains.end(),
-      [](const ParallelChain& a, const ParallelChain& b) { return a.largest > b.largest; });
+      [](const ParallelChain& a, const ParallelChain& b) { return a.weight > b.weight; });
   sort_point_chains(result.point);
   if (!result.point.chains.empty()) {
     result.point.set_count = static_cast<std::size_t>(tables.lanes.set_count());

@@ -155,7 +155,7 @@ class Builder {
     chain.bound_axis = Vec3f(front.axis);
     chain.bound_tan = static_cast<float>(std::min(front.tan_spread * 1.001 + 1e-5, 1e30));
     chain.side_count = sides + 1;
-    chain.largest = static_cast<float>(largest);
+    chain.weight = static_cast<float>(largest);
     chain.rows = chains_.rows.size();
     chain.disperses =
         !front.is_one() &&

@@ -95,7 +95,7 @@ struct Gathered {
   std::uint32_t last_part = 0;  ///< The last of the cones is of this part of the light.
   std::size_t parts_in_last = 0, parts_in_cone = 1;  ///< Parts of it, and that any may be of.
   LaneMask lanes;
-  double largest = 0.0;
+  double flux = 0.0;
   std::vector<Vec3d> axes;
 };
 
@@ -120,7 +120,7 @@ class Maker {
     const std::uint32_t face = found.path.back().face;
     const Vec3d normal = lit_normal(found.path);
     into.lanes = found.lanes;
-    into.largest = std::max(into.largest, found.largest);
+    into.flux = found.flux;
     if (into.axes.empty()) into.axes.resize(found.axes.size(), Vec3d(0.0));
     for (std::size_t i = 0; i < found.axes.size(); ++i) into.axes[i] += found.axes[i];
     Bounds bounds;
@@ -142,7 +142,7 @@ class Maker {
     PointChain chain;
     chain.light = light_;
     chain.lanes = gathered.lanes;
-    chain.largest = static_cast<float>(gathered.largest);
+    chain.weight = static_cast<float>(gathered.flux);
     const Vec3d origin = rounded_to_single(chains_.frames[path.front().face].origin);
     chain.origin = Vec3f(origin);
     chain.lamp = lamp_ - origin;
@@ -293,7 +293,6 @@ ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::
                [&](const ConeOnPath& found) { maker.gather(found, gathered[found.path]); });
   std::optional<std::tuple<std::uint32_t, ChainEvent>> open;
   for (const auto& [path, what] : gathered) {
-    if (!(what.largest > 0.0)) continue;
     PointChain chain = maker.make(path, what);
     if (!open || *open != end_of(path)) {
       open = end_of(path);
@@ -303,7 +302,7 @@ ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::
     }
     PointChainGroup& group = chains.groups.back();
     group.bounds.include(chain.bounds);
-    group.largest = std::max(group.largest, chain.largest);
+    group.weight = std::max(group.weight, chain.weight);
     ++group.chain_count;
     chains.chains.push_back(std::move(chain));
   }
@@ -311,12 +310,12 @@ ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::
 }
 
 void sort_point_chains(PointChains& all) {
-  const auto larger = [](const auto& a, const auto& b) { return a.largest > b.largest; };
-  std::stable_sort(all.groups.begin(), all.groups.end(), larger);
+  const auto heavier = [](const auto& a, const auto& b) { return a.weight > b.weight; };
+  std::stable_sort(all.groups.begin(), all.groups.end(), heavier);
   for (std::uint32_t number = 0; number < all.groups.size(); ++number) {
     const PointChainGroup& group = all.groups[number];
     const auto first = all.chains.begin() + group.first_chain;
-    std::stable_sort(first, first + group.chain_count, larger);
+    std::stable_sort(first, first + group.chain_count, heavier);
     for (auto chain = first; chain != first + group.chain_count; ++chain) chain->group = number;
   }
 }

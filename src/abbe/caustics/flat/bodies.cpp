@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "abbe/caustics/flat/arrangement.h"
+#include "abbe/caustics/flat/inclusions.h"
 #include "abbe/caustics/flat/mesh_facets.h"
 #include "abbe/math/polygon.h"
 
@@ -254,10 +255,9 @@ const Material& material_of(const Scene& scene, const Instance& instance) {
                                          : std::get<Shape>(instance.what).material];
 }
 
-// Leaves out bodies that may lie in a medium whose boundary is not flat, and marks those that
-// something reaches into or lies in; by boxes.
-void look_around(const Scene& scene, std::vector<BodyFacets>& bodies,
-                 std::vector<LeftOut>& left_out) {
+// Leaves out bodies that may lie in a medium whose boundary is not flat; by boxes.
+void leave_out_enclosed(const Scene& scene, std::vector<BodyFacets>& bodies,
+                        std::vector<LeftOut>& left_out) {
   std::vector<Box3d> boxes;
   std::vector<std::uint32_t> others;
   std::vector<bool> is_flat(scene.instances.size(), false);
@@ -266,17 +266,14 @@ void look_around(const Scene& scene, std::vector<BodyFacets>& bodies,
     boxes.push_back(bounds_of(scene, scene.instances[i]));
     if (!is_flat[i] && material_of(scene, scene.instances[i]).has_volume) others.push_back(i);
   }
-  std::erase_if(bodies, [&](BodyFacets& candidate) {
-    FlatBody& body = candidate.body;
+  std::erase_if(bodies, [&](const BodyFacets& candidate) {
+    const FlatBody& body = candidate.body;
     const Box3d& own = boxes[body.instance];
     const auto around = std::find_if(others.begin(), others.end(),
                                      [&](std::uint32_t i) { return is_within(own, boxes[i]); });
     if (around != others.end() && !body.is_mirror) {
       left_out.push_back({body.name, "it may lie in " + scene.instances[*around].name});
       return true;
-    }
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-      body.has_inclusions |= i != body.instance && !are_apart(boxes[i], own);
     }
     return false;
   });
@@ -295,7 +292,8 @@ FlatBodies find_flat_bodies(const Scene& scene, Notes& notes) {
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     add_instance(scene, i, left_out, bodies);
   }
-  look_around(scene, bodies, left_out);
+  leave_out_enclosed(scene, bodies, left_out);
+  find_inclusions(scene, bodies);
   for (auto troubles = arrange(bodies); !troubles.empty(); troubles = arrange(bodies)) {
     std::sort(troubles.begin(), troubles.end(),
               [](const auto& a, const auto& b) { return a.body > b.body; });

@@ -47,7 +47,9 @@ struct FlatBody {
   bool is_front_only = false;   ///< A mirror that is not there from behind.
   bool is_convex = false;       ///< Straight lines inside meet no other facet.
   bool has_inclusions = false;  ///< Another object may lie in it or reach into it.
-  bool is_covered = false;      ///< It has no facets: those of bodies in its place stand for them.
+  /// One on which light shows: no smooth glass with flat faces or flat mirror.
+  bool has_lit_inclusions = false;
+  bool is_covered = false;  ///< It has no facets: those of bodies in its place stand for them.
 };
 
 /// All flat bodies of a scene, with their facets and faces in the order of the bodies.

@@ -48,7 +48,9 @@ struct ChainSearch {
   }
 
   /// Whether anything may be in a region that its light shows on.
-  bool lights_places(Region region) const { return !region || flat.bodies[*region].has_inclusions; }
+  bool lights_places(Region region) const {
+    return !region || flat.bodies[*region].has_lit_inclusions;
+  }
 
   std::size_t lanes() const { return static_cast<std::size_t>(tables.lanes.lane_count()); }
   /// Wavelengths of all sets.

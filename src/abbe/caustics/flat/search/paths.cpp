@@ -36,6 +36,8 @@ constexpr double kBright = 0.01;
 constexpr double kBrightShare = 1.0 / 3.0;
 constexpr double kMostCut = 0.0075;
 constexpr double kMostKept = 4000.0;
+// It is raised by half while more steps of paths than this would be left.
+constexpr double kMostPaths = 20000.0;
 // All that is for this cutoff. Whoever asks for a smaller one gets as many times more.
 constexpr double kUsualCutoff = 1e-4;
 // Light that meets so many facets without being let out is trapped.
@@ -104,6 +106,10 @@ class PathFinder {
       node.useful = std::min(node.useful, node.flux);
     }
     PathTree result = kept(ask_ * kLeastShare);
+    for (double least = 1.5 * ask_ * kLeastShare;
+         static_cast<double>(result.nodes.size()) > kMostPaths / ask_; least *= 1.5) {
+      result = kept(least);
+    }
     for (double least = 0.5 * ask_ * kLeastShare;
          result.cut > ask_ * kMostCut * result.started && least > kLeastMainShare; least *= 0.5) {
       PathTree more = kept(least);

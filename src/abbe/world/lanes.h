@@ -85,6 +85,12 @@ class LaneModel {
   /// Absent in the RGB modes. Its lanes are wavelengths, of which each may have several lanes here:
   /// see folded().
   const WavelengthQuadrature* quadrature() const { return quadrature_ ? &*quadrature_ : nullptr; }
+  /// Whether they are wavelengths, and so few that light of each is searched for by itself: what
+  /// one gets does not depend on which others there are.
+  bool are_followed_apart() const {
+    constexpr int kFew = 16;
+    return quadrature_ && set_count_ == 1 && lane_count_ <= kFew;
+  }
 
   /// Whether lanes hold that kind of quantity as channels of linear Rec.709: in the RGB modes, and
   /// where it is frozen.

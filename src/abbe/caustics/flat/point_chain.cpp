@@ -19,4 +19,12 @@ double FaceFrame::distance_inside(const Vec2d& at_m) const {
   return best;
 }
 
+void set_start(PointChain& chain) {
+  const UnfoldedFace& face = chain.faces[chain.crossings[0]];
+  const Vec3d offset = chain.lamp - face.origin;
+  const Vec2d below(glm::dot(face.u, offset), glm::dot(face.v, offset));
+  chain.start = glm::distance(below, face.center) <= face.radius_m ? below : Vec2d(0.0);
+  chain.start_place = on_face(face, chain.start);
+}
+
 }  // namespace abbe

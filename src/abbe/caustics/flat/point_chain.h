@@ -80,6 +80,11 @@ struct PointChain : ChainPath {
   std::vector<Vec3d> directions;  ///< Typical ones on those segments, in the unfolded space.
   LaneMask lanes;                 ///< That are followed over it.
   Vec3d lamp{0.0};
+  /// Where the lamp's rays are counted from on the first crossed plane, in the coordinates of its
+  /// frame: below the lamp, if that is near the face. So rays of a lamp that almost touches the
+  /// face have directions in single precision.
+  Vec2d start{0.0};
+  Vec3d start_place{0.0};  ///< The same.
   Mat3d fold{1.0};  ///< Takes a lit place into the unfolded space: x′ = fold·x + fold_shift.
   Vec3d fold_shift{0.0};
   ConeBounds bounds;  ///< Of all its light.
@@ -87,6 +92,9 @@ struct PointChain : ChainPath {
   /// lies in none of their cones.
   std::uint32_t first_bunch = 0, last_bunch = 0;
 };
+
+/// Sets where the lamp's rays are counted from. Domain: the chain crosses a plane.
+void set_start(PointChain& chain);
 
 /// Chains of one light that end at the same face and side; they share a frame.
 struct PointChainGroup {

@@ -215,7 +215,7 @@ class PointChainLight {
       go_straight(place, shot);
       return hn::And(active, shot.is_valid);
     }
-    if (!has_middle_) {
+    if (!has_middle_ || tables_.lanes.are_followed_apart()) {
       V u = hn::Zero(d);
       V v = u;
       const auto solved = solve_one_by_one(place, active, i, u, v);
@@ -237,7 +237,7 @@ class PointChainLight {
       const auto moved_by =
           hn::Add(hn::Mul(hn::Set(d, static_cast<float>(part(slopes_.by_index[0]))), share),
                   Dot3(d, set3(by_place), off));
-      return hn::Add(hn::Set(d, static_cast<float>(part(crossings_[0]))), moved_by);
+      return hn::Add(hn::Set(d, static_cast<float>(part(crossings_[0] - chain_.start))), moved_by);
     };
     V u = guess([](const Vec2d& at) { return at.x; });
     V v = guess([](const Vec2d& at) { return at.y; });
@@ -291,8 +291,8 @@ class PointChainLight {
       };
       if (!solve_crossings(chain_, {n.data(), count_ + 1}, goal, crossings, gives_up)) continue;
       if (!goes_ahead(chain_, crossings)) continue;
-      us[k] = static_cast<float>(crossings[0].x);
-      vs[k] = static_cast<float>(crossings[0].y);
+      us[k] = static_cast<float>(crossings[0].x - chain_.start.x);
+      vs[k] = static_cast<float>(crossings[0].y - chain_.start.y);
       solved.set(k);
     }
     u = hn::Load(d, us);

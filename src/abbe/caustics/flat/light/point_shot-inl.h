@@ -60,7 +60,8 @@ struct ShotLanes {
   }
 };
 
-/// Sends a ray of every lane from the lamp through (u, v) of the first crossed plane.
+/// Sends a ray of every lane from the lamp through (u, v) of the first crossed plane, from the
+/// chain's start on.
 /// Domain: the chain crosses a plane; place is unfolded.
 template <class D>
 HWY_INLINE void ShootOverChain(D d, const ShotLanes& lanes, VecOf<D> u, VecOf<D> v,
@@ -75,8 +76,9 @@ HWY_INLINE void ShootOverChain(D d, const ShotLanes& lanes, VecOf<D> u, VecOf<D>
   const UnfoldedFace* face = &chain.faces[chain.crossings[0]];
   V3 a = set3(face->u);
   V3 b = set3(face->v);
-  V3 at = Combine3(d, one, Combine3(d, u, a, v, b), one, set3(face->origin));
-  V3 offset = Combine3(d, one, at, hn::Neg(one), set3(chain.lamp));
+  const V3 from_start = Combine3(d, u, a, v, b);
+  V3 at = Combine3(d, one, from_start, one, set3(chain.start_place));
+  V3 offset = Combine3(d, one, from_start, one, set3(chain.start_place - chain.lamp));
   const V length = hn::Sqrt(Dot3(d, offset, offset));
   const V inverse = hn::Div(one, length);
   V3 direction{hn::Mul(offset.x, inverse), hn::Mul(offset.y, inverse), hn::Mul(offset.z, inverse)};

@@ -11,7 +11,7 @@ namespace {
 
 using Mat2d = glm::dmat2;
 
-constexpr int kMaxSteps = 40;
+constexpr int kMaxSteps = 400;
 // A step shorter than this share of the shortest segment comes close to the path.
 constexpr double kClose = 0.015;
 // What is left behind such a step is less than it, times this to be sure.
@@ -54,7 +54,7 @@ class PlaneSequence {
   double shifts_by() const {
     double radius_m = 0.0;
     for (std::size_t k = 0; k < count_; ++k) radius_m = std::max(radius_m, face(k).radius_m);
-    return 100.0 * rounding_ * radius_m;
+    return 200.0 * rounding_ * radius_m;
   }
   bool has_edges() const { return has_edges_; }
   // The least pull of such a segment, of the most it can have.
@@ -161,8 +161,13 @@ class PlaneSequence {
   bool is_at_edge_ = false;
 };
 
+// A lamp so many times closer to its first face than the guess is to its foot there is close.
+constexpr double kCloseLamp = 4.0;
+
 // Back from the place along typical directions, as if the light were parallel, and not far from
-// the faces.
+// the faces. Directions of a lamp that almost touches its face differ too much for that: the path
+// is sought from its foot on, where the length grows with the crossing as that of a bowl and not of
+// a cone.
 void guess(const PointChain& chain, const Vec3d& place, Crossings& at) {
   Vec3d from = place;
   for (std::size_t k = chain.crossings.size(); k-- > 0;) {
@@ -181,6 +186,8 @@ void guess(const PointChain& chain, const Vec3d& place, Crossings& at) {
     at[k] = face.center + off;
     from = on_face(face, at[k]);
   }
+  const double height_m = glm::distance(chain.lamp, chain.start_place);
+  if (glm::distance(at[0], chain.start) > kCloseLamp * height_m) at[0] = chain.start;
 }
 
 double size_of(const Crossings& step, std::size_t count) {

@@ -44,10 +44,9 @@ std::vector<MaterialRange> material_ranges(const TabulatedScene& tables, double 
 }
 
 bool ChainSearch::has_separate_waves() const {
-  constexpr std::size_t kFewWaves = 16;
-  if (tables.lanes.quadrature() == nullptr || tables.lanes.set_count() > 1) return false;
   const auto is_grey = [&](const FlatBody& body) { return ranges[body.material].is_grey; };
-  return lanes() <= kFewWaves && !std::all_of(flat.bodies.begin(), flat.bodies.end(), is_grey);
+  return tables.lanes.are_followed_apart() &&
+         !std::all_of(flat.bodies.begin(), flat.bodies.end(), is_grey);
 }
 
 Vec3d rounded_to_single(const Vec3d& v) {

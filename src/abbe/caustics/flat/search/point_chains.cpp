@@ -162,6 +162,7 @@ class Maker {
       chain.directions.push_back(chain.fold * gathered.axes[s + 1]);
     }
     for (Vec3d& direction : chain.directions) direction = glm::normalize(direction);
+    if (!chain.crossings.empty()) set_start(chain);
     obstacles_.mark(chain);
     bound(gathered.cones, chain);
     return chain;

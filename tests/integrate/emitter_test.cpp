@@ -78,6 +78,26 @@ TEST(EmitterTest, upright_square_too_and_nothing_comes_from_its_back) {
 }
 
 // Shadow rays start off a large triangle by its bound, and must not overshoot what they ask.
+// A room of 2 m with a lamp that hangs just below the middle of its ceiling.
+TEST(EmitterTest, lamp_in_a_room_lights_floor_and_wall_by_its_form_factors) {
+  const double gap_m = 1e-3, half_m = 0.4;
+  Scene room = floor_seen_from({0.3, 0.5, 0});
+  Material matte = test::matte(Vec3f(1.0f));
+  matte.double_sided = true;
+  test::add_box_mesh(room, test::add(room, matte), {1, 1, 1}, test::translation({0, 1, 0}));
+  room.instances.erase(room.instances.begin());
+  test::add_square(room, add_emitter(room), half_m,
+                   test::translation({0, 2.0 - gap_m, 0}) * test::rotation({1, 0, 0}, 90.0));
+  const double on_floor = 4.0 * corner_above(half_m, half_m, 2.0 - gap_m);
+  EXPECT_NEAR(seen(room) / (kLuminance * on_floor), 1.0, 1e-3);
+  // The middle of a wall: seen from there the lamp lies level, from near to far above.
+  room.cameras[0] = test::orthographic_camera({0.4, 0.9, 0.1}, {-1, 1, 0}, 1e-4, 1e-4);
+  const double up_m = 1.0 - gap_m;
+  const auto level = [&](double far_m) { return upright(up_m, half_m, far_m); };
+  const double on_wall = 2.0 * (level(1.0 + half_m) - level(1.0 - half_m));
+  EXPECT_NEAR(seen(room) / (kLuminance * on_wall), 1.0, 1e-3);
+}
+
 TEST(EmitterTest, large_floors_and_near_emitters_keep_all_light) {
   for (const double half_m : {0.5, 5.0, 500.0}) {
     for (const double height_m : {0.1, 1.0}) {

@@ -121,5 +121,32 @@ TEST(LampShapeTest, soft_shadow_is_that_of_a_surface_that_shines_and_has_little_
   EXPECT_LT(test::mean_delta_e2000(lamp, again), 1.0);
 }
 
+// At five places from full shadow to full light, against the sum over a grid in double precision.
+TEST(LampShapeTest, soft_shadow_is_that_of_4096_point_lamps) {
+  constexpr int kGrid = 64;
+  const Vec3d ball(0.0, 0.35, 0.0);
+  const double radius_m = 0.2, candela = 10.0, height_m = 0.9;
+  for (const double x : {0.05, 0.2, 0.3, 0.4, 0.7}) {
+    const Vec3d place(x, 0.0, 0.02);
+    double expected = 0.0;
+    for (int i = 0; i < kGrid * kGrid; ++i) {
+      const Vec3d lamp(0.5 * ((i % kGrid + 0.5) / kGrid - 0.5), height_m,
+                       0.5 * ((i / kGrid + 0.5) / kGrid - 0.5));
+      const Vec3d offset = lamp - place;
+      const double distance_m = glm::length(offset);
+      const double along = glm::dot(ball - place, offset) / distance_m;
+      if (glm::distance(ball, place + along / distance_m * offset) < radius_m) continue;
+      // Both planes are level: the same cosine twice.
+      const double cosine = height_m / distance_m;
+      expected += candela * cosine * cosine / (distance_m * distance_m) / (kGrid * kGrid);
+    }
+    Scene scene = floor_with(shining_down(RectangleLamp{0.5, 0.5}, height_m, candela), 2.0);
+    test::add_sphere(scene, test::add(scene, test::matte(Vec3f(0.0f))), ball, radius_m);
+    scene.cameras[0] = test::orthographic_camera(place + Vec3d(0.9, 0.4, 0.0), place, 1e-4, 1e-4);
+    // 1 % of the light without the ball.
+    EXPECT_NEAR(kPi * seen(scene), expected, 0.01 * candela / (height_m * height_m)) << x;
+  }
+}
+
 }  // namespace
 }  // namespace abbe

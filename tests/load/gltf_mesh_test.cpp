@@ -218,6 +218,16 @@ TEST_F(GltfMesh, sparse_indices_without_a_view_start_from_zeros) {
   EXPECT_THAT(load().meshes[0].triangles, ElementsAre(Corners{0, 2, 1}));
 }
 
+TEST_F(GltfMesh, file_without_any_view_has_zeros_for_indices_and_positions) {
+  document.erase("bufferViews");
+  document["buffers"] = Json::array();
+  document["accessors"] = {{{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}},
+                           {{"componentType", 5123}, {"count", 3}, {"type", "SCALAR"}}};
+  primitive()["indices"] = 1;
+  EXPECT_TRUE(load().meshes.empty());
+  EXPECT_THAT(notes_text(), HasSubstr("1 degenerate triangles are dropped"));
+}
+
 TEST_F(GltfMesh, selected_vertices_of_a_sparse_accessor_are_the_replaced_ones) {
   std::vector<float> positions(60, 9.0f);
   primitive()["attributes"]["POSITION"] = add_accessor(positions, "VEC3");

@@ -215,6 +215,16 @@ TEST_F(GltfMotion, channel_without_its_sampler_is_an_error) {
   EXPECT_THAT(error(), HasSubstr("/animations/0/channels/0/sampler: found 1"));
 }
 
+TEST_F(GltfMotion, channel_that_moves_no_node_is_skipped_and_keeps_its_number) {
+  animate(0, "translation", {1}, Floats{1, 0, 0}, "VEC3", "LINEAR");
+  const Json other = {{"sampler", 0}, {"target", {{"path", "pointer"}}}};
+  Json& channels = document["animations"][0]["channels"];
+  channels.insert(channels.begin(), other);
+  expect_near(origin(load_at(1)), {1, 0, 0});
+  channels[1]["sampler"] = 1;
+  EXPECT_THAT(error(), HasSubstr("/animations/0/channels/1/sampler: found 1"));
+}
+
 TEST_F(GltfMotion, morph_targets_add_their_share_at_rest) {
   add_targets({{0, 0, 2, 0, 0, 0, 0, 0, 0}, {0, 0, 0, 1, 0, 0, 0, 0, 0}});
   document["meshes"][0]["weights"] = {0.5, 0};

@@ -30,52 +30,8 @@ namespace abbe {
 namespace gltf {
 namespace {
 
-// What tinygltf understands better than a tree of JSON does. It never sees a URI, so it opens no
-// file, nor extras and extensions, which it would only copy.
-tinygltf::Model parse_core(const Document& document) {
-  Json core = {{"asset", {{"version", "2.0"}}}};
-  const auto strip = [](Json& object) {
-    object.erase("extras");
-    object.erase("extensions");
-  };
-  for (const char* name :
-       {"scenes", "nodes", "meshes", "accessors", "bufferViews", "samplers", "textures"}) {
-    const Json* source = find(&document.json(), name);
-    if (source == nullptr) continue;
-    core[name] = *source;
-    for (Json& element : core[name]) {
-      strip(element);
-      if (!element.contains("primitives")) continue;
-      for (Json& primitive : element["primitives"]) strip(primitive);
-    }
-  }
-  // tinygltf 2.7 refuses indices without a bufferView, which are zeros, or sparse: it gets one for
-  // them, and it is taken away again.
-  std::vector<std::size_t> without_view;
-  if (core.contains("accessors") && core.contains("bufferViews")) {
-    for (std::size_t i = 0; i < core["accessors"].size(); ++i) {
-      if (core["accessors"][i].contains("bufferView")) continue;
-      without_view.push_back(i);
-      core["accessors"][i]["bufferView"] = 0;
-    }
-  }
-  const std::string text = core.dump();
-  tinygltf::TinyGLTF reader;
-  reader.SetFsCallbacks({nullptr, nullptr, nullptr, nullptr, nullptr});
-  tinygltf::Model model;
-  std::string error;
-  std::string warning;
-  if (!reader.LoadASCIIFromString(&model, &error, &warning, text.data(),
-                                  static_cast<unsigned>(text.size()), "")) {
-    while (!error.empty() && error.back() == '\n') error.pop_back();
-    throw_input_error(document.file_name(), error, "glTF 2.0");
-  }
-  for (const std::size_t i : without_view) model.accessors[i].bufferView = -1;
-  return model;
-}
-
-std::optional<int> chosen_scene(const Document& document, const tinygltf::Model& model,
-                                const LoadOptions& options) {
+std::optional<int> chosen_scene(const Document& document, const LoadOptions& options) {
+  const tinygltf::Model& model = document.model();
   if (options.scene_name) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < model.scenes.size(); ++i) {
@@ -90,7 +46,7 @@ std::optional<int> chosen_scene(const Document& document, const tinygltf::Model&
     throw_usage_error("scene", in_quotes(*options.scene_name), "a scene of " + document.file_name(),
                       names);
   }
-  if (const Json* scene = find(&document.json(), "scene")) return scene->get<int>();
+  if (model.defaultScene >= 0) return model.defaultScene;
   if (model.scenes.empty()) return std::nullopt;
   return 0;
 }
@@ -117,40 +73,39 @@ Scene read_scene(const std::filesystem::path& file, const Catalogue& catalogue,
   gltf::Document document(file, notes, options.strict);
   gltf::check_structure(document);
   gltf::check_extensions(document);
-  const tinygltf::Model model = gltf::parse_core(document);
-  gltf::check_graph(document, model);
+  document.read_model();
+  gltf::check_graph(document);
   gltf::check_animations(document);
 
   Scene scene;
-  gltf::Accessors accessors(document, model);
+  gltf::Accessors accessors(document);
   gltf::Spectra spectra(document, catalogue);
-  gltf::Textures textures(document, model, accessors, options.texture_memory, scene);
+  gltf::Textures textures(document, accessors, options.texture_memory, scene);
   textures.check_uris();
   const gltf::Json* materials = gltf::find(&document.json(), "materials");
   for (std::size_t i = 0; materials != nullptr && i < materials->size(); ++i) {
     scene.materials.push_back(gltf::read_material(document, i, textures, spectra));
   }
 
-  const std::optional<int> chosen = gltf::chosen_scene(document, model, options);
+  const std::optional<int> chosen = gltf::chosen_scene(document, options);
   std::vector<int> roots;
   if (chosen) {
-    const tinygltf::Scene& source = model.scenes[static_cast<std::size_t>(*chosen)];
-    scene.name = source.name;
-    roots = gltf::scene_roots(document, model, *chosen);
+    scene.name = document.model().scenes[static_cast<std::size_t>(*chosen)].name;
+    roots = gltf::scene_roots(document, *chosen);
     gltf::apply_abbe_scene(document, *chosen, spectra, scene);
     gltf::apply_image_based_light(document, accessors, *chosen, scene);
   } else {
-    roots = gltf::parentless_nodes(model);
+    roots = gltf::parentless_nodes(document.model());
     notes.info(document.file_name(), "the file has no scene; all its nodes are taken");
   }
   scene.animations = gltf::list_animations(document, accessors);
   gltf::Pose pose;
   if (options.time_s) {
-    pose = gltf::pose_at(document, model, accessors, *options.time_s, options.animation);
+    pose = gltf::pose_at(document, accessors, *options.time_s, options.animation);
   }
-  gltf::Places places(document, model, std::move(pose));
+  gltf::Places places(document, std::move(pose));
   scene.variants = gltf::variant_names(document);
-  gltf::Placer placer(document, model, accessors, places, spectra,
+  gltf::Placer placer(document, accessors, places, spectra,
                       gltf::chosen_variant(document, options.variant), scene);
   for (const gltf::PlacedNode& node : places.place(roots)) placer.place(node);
   if (scene.instances.empty()) {

@@ -183,9 +183,8 @@ Corners read_corners(Document& document, Accessors& accessors, const tinygltf::P
   return corners;
 }
 
-void read_attributes(Document& document, const tinygltf::Model& model, Accessors& accessors,
-                     const tinygltf::Primitive& source, const Selection& selected,
-                     const std::string& pointer, Mesh& mesh) {
+void read_attributes(Document& document, Accessors& accessors, const tinygltf::Primitive& source,
+                     const Selection& selected, const std::string& pointer, Mesh& mesh) {
   const bool is_quantized = uses_extension(document, "KHR_mesh_quantization");
   const Components exact = is_quantized ? Components::AnyQuantized : Components::FloatOnly;
   const Components unorm = is_quantized ? Components::AnyQuantized : Components::FloatOrUnorm;
@@ -208,8 +207,8 @@ void read_attributes(Document& document, const tinygltf::Model& model, Accessors
     if (name == "POSITION") {
       mesh.positions = accessors.vec3(accessor, user, exact, selected);
       if (selected) continue;
-      check_range(document, model.accessors[static_cast<std::size_t>(accessor)], accessor,
-                  mesh.positions);
+      check_range(document, document.model().accessors[static_cast<std::size_t>(accessor)],
+                  accessor, mesh.positions);
     } else if (name == "NORMAL") {
       mesh.normals = accessors.vec3(accessor, user, exact, selected);
     } else if (name == "TANGENT") {
@@ -240,11 +239,10 @@ void move_vertices(Document& document, Accessors& accessors, const tinygltf::Pri
 }
 
 // A primitive that has triangles and POSITION; `decoded` are its corners where it was compressed.
-std::optional<Mesh> read_triangles(Document& document, const tinygltf::Model& model,
-                                   Accessors& accessors, int mesh_index, std::size_t primitive,
-                                   const Deformation& deformation,
+std::optional<Mesh> read_triangles(Document& document, Accessors& accessors, int mesh_index,
+                                   std::size_t primitive, const Deformation& deformation,
                                    std::optional<std::vector<std::uint32_t>> decoded) {
-  const tinygltf::Mesh& source_mesh = model.meshes[static_cast<std::size_t>(mesh_index)];
+  const tinygltf::Mesh& source_mesh = document.model().meshes[static_cast<std::size_t>(mesh_index)];
   const tinygltf::Primitive& source = source_mesh.primitives[primitive];
   const std::string pointer = fmt::format("/meshes/{}/primitives/{}", mesh_index, primitive);
   const std::string place = document.where(pointer);
@@ -267,7 +265,7 @@ std::optional<Mesh> read_triangles(Document& document, const tinygltf::Model& mo
   if (source_mesh.primitives.size() > 1) mesh.name += fmt::format(" [{}]", primitive);
   mesh.material = source.material < 0 ? 0 : static_cast<std::uint32_t>(source.material);
 
-  read_attributes(document, model, accessors, source, corners.selected, pointer, mesh);
+  read_attributes(document, accessors, source, corners.selected, pointer, mesh);
 
   const std::size_t count = corners.indices.size();
   if (mode == TINYGLTF_MODE_TRIANGLES && corners.restarts.empty() && count % 3 != 0) {
@@ -286,11 +284,10 @@ std::optional<Mesh> read_triangles(Document& document, const tinygltf::Model& mo
 
 }  // namespace
 
-std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& model,
-                                   Accessors& accessors, int mesh, std::size_t primitive,
-                                   const Deformation& deformation) {
+std::optional<Mesh> read_primitive(Document& document, Accessors& accessors, int mesh,
+                                   std::size_t primitive, const Deformation& deformation) {
   const tinygltf::Primitive& source =
-      model.meshes[static_cast<std::size_t>(mesh)].primitives[primitive];
+      document.model().meshes[static_cast<std::size_t>(mesh)].primitives[primitive];
   const std::string place =
       document.where(fmt::format("/meshes/{}/primitives/{}", mesh, primitive));
   const int mode = source.mode < 0 ? TINYGLTF_MODE_TRIANGLES : source.mode;
@@ -304,9 +301,9 @@ std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& mo
     document.notes().warn(place, "no POSITION; not rendered");
     return std::nullopt;
   }
-  auto decoded = decode_primitive(document, model, accessors, mesh, primitive);
+  auto decoded = decode_primitive(document, accessors, mesh, primitive);
   auto result =
-      read_triangles(document, model, accessors, mesh, primitive, deformation, std::move(decoded));
+      read_triangles(document, accessors, mesh, primitive, deformation, std::move(decoded));
   accessors.forget_supplied();  // It was this primitive's alone.
   return result;
 }

@@ -1,8 +1,6 @@
 /// glTF mesh primitives as triangle meshes.
 #pragma once
 
-#include <tiny_gltf.h>
-
 #include <optional>
 #include <vector>
 
@@ -23,9 +21,8 @@ struct Deformation {
 /// lines, and what is left empty, give nothing and a note. Skinned ones, those with Mesh::joints,
 /// are in world space, from the skin's origin.
 /// Errors: input Error with a JSON pointer.
-std::optional<Mesh> read_primitive(Document& document, const tinygltf::Model& model,
-                                   Accessors& accessors, int mesh, std::size_t primitive,
-                                   const Deformation& deformation);
+std::optional<Mesh> read_primitive(Document& document, Accessors& accessors, int mesh,
+                                   std::size_t primitive, const Deformation& deformation);
 
 /// Drops triangles with a non-finite or unusably large corner and degenerate ones, then vertices
 /// that no triangle uses, and repairs normals, tangents, texture coordinates and colours; each

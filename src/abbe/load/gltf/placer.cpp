@@ -113,7 +113,7 @@ const Placer::Converted& Placer::converted(const Use& use) {
   }
   const Deformation deformation{use.weights, use.skin < 0 ? nullptr : &posed_skin(use.skin)};
   for (std::size_t i = 0; i < source.primitives.size(); ++i) {
-    std::optional<Mesh> read = read_primitive(document_, model_, accessors_, mesh, i, deformation);
+    std::optional<Mesh> read = read_primitive(document_, accessors_, mesh, i, deformation);
     if (!read) continue;
     read->material = material_index(material_of(document_, mesh, i, variant_));
     warn_of_missing_uv(*read, fmt::format("/meshes/{}/primitives/{}", mesh, i));

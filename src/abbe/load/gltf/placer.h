@@ -26,10 +26,10 @@ class Placer {
  public:
   /// All of these outlive this. Materials are in `scene` already; `variant` chooses among those of
   /// a primitive.
-  Placer(Document& document, const tinygltf::Model& model, Accessors& accessors, Places& places,
-         Spectra& spectra, std::optional<std::size_t> variant, Scene& scene)
+  Placer(Document& document, Accessors& accessors, Places& places, Spectra& spectra,
+         std::optional<std::size_t> variant, Scene& scene)
       : document_(document),
-        model_(model),
+        model_(document.model()),
         accessors_(accessors),
         places_(places),
         spectra_(spectra),

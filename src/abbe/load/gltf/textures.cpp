@@ -95,7 +95,8 @@ std::optional<std::uint32_t> Textures::image_of(int texture, const std::string& 
   if (const Json* webp = find_extension(json, "EXT_texture_webp")) {
     return image((*webp)["source"].get<int>(), user);
   }
-  if (const Json* source = find(&json, "source")) return image(source->get<int>(), user);
+  const int source = model_.textures[static_cast<std::size_t>(texture)].source;
+  if (source >= 0) return image(source, user);
   if (find_extension(json, "KHR_texture_basisu") != nullptr) {
     throw_input_error(document_.where(pointer), "KHR_texture_basisu, a KTX2 image, alone",
                       "a source that is a PNG, JPEG or WebP image beside it");

@@ -23,9 +23,12 @@ namespace abbe::gltf {
 class Textures {
  public:
   /// All of these outlive this. `memory`: about how many bytes of memory textures may take.
-  Textures(Document& document, const tinygltf::Model& model, Accessors& accessors,
-           std::uint64_t memory, Scene& scene)
-      : document_(document), model_(model), accessors_(accessors), memory_(memory), scene_(scene) {}
+  Textures(Document& document, Accessors& accessors, std::uint64_t memory, Scene& scene)
+      : document_(document),
+        model_(document.model()),
+        accessors_(accessors),
+        memory_(memory),
+        scene_(scene) {}
 
   /// The use that a member, a texture info object, describes, KHR_texture_transform included.
   /// Nothing where it is absent, or, with a note, when the texture has no image or wants a third

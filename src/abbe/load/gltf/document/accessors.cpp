@@ -11,8 +11,7 @@
 
 namespace abbe::gltf {
 
-Accessors::Accessors(Document& document, const tinygltf::Model& model)
-    : document_(document), model_(model) {
+Accessors::Accessors(Document& document) : document_(document), model_(document.model()) {
   const Json* buffers = find(&document.json(), "buffers");
   buffers_.resize(buffers == nullptr ? 0 : buffers->size());
 }

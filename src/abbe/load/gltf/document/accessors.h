@@ -28,7 +28,7 @@ using Selection = std::optional<std::vector<std::uint32_t>>;
 /// Reads accessors. Buffers are fetched when they are first needed.
 class Accessors {
  public:
-  Accessors(Document& document, const tinygltf::Model& model);
+  explicit Accessors(Document& document);
 
   /// Elements as floats; integers are normalized where the accessor says so. `selected` are the
   /// elements wanted, rising; all by default.

@@ -339,13 +339,11 @@ void check_structure(Document& document) {
 }
 
 bool uses_extension(const Document& document, const std::string& name) {
-  for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
-    const Json* names = find(&document.json(), list);
-    if (names != nullptr && std::find(names->begin(), names->end(), Json(name)) != names->end()) {
-      return true;
-    }
-  }
-  return false;
+  const tinygltf::Model& model = document.model();
+  const auto lists = [&name](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  return lists(model.extensionsUsed) || lists(model.extensionsRequired);
 }
 
 void check_extensions(Document& document) {

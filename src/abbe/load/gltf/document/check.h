@@ -17,7 +17,7 @@ void check_structure(Document& document);
 /// Errors: input Error when a required extension is unknown.
 void check_extensions(Document& document);
 
-/// Whether extensionsUsed or extensionsRequired lists a name.
+/// Whether the extensionsUsed or extensionsRequired of a read model list a name.
 bool uses_extension(const Document& document, const std::string& name);
 
 /// A JSON value in words, for messages: `the string "abc"`, `-1.5`, `an array of 3`.

@@ -14,6 +14,10 @@
 namespace abbe::gltf {
 namespace {
 
+std::size_t at(int index) {
+  return static_cast<std::size_t>(index);
+}
+
 template <typename T, std::size_t N>
 T choice(Document& document, const Json& extension, const char* name, const std::string& pointer,
          const std::array<std::pair<const char*, T>, N>& known) {
@@ -56,14 +60,13 @@ void check_stride(Document& document, const MeshoptArray& array, const std::stri
 }
 
 bool is_required(const Document& document, const char* name) {
-  const Json* required = find(&document.json(), "extensionsRequired");
-  return required != nullptr &&
-         std::find(required->begin(), required->end(), Json(name)) != required->end();
+  const auto& required = document.model().extensionsRequired;
+  return std::find(required.begin(), required.end(), name) != required.end();
 }
 
 // Whether plain data stand beside the compressed ones of a view.
-bool has_plain_data(const Document& document, const Json& view) {
-  const auto index = view["buffer"].get<std::size_t>();
+bool has_plain_data(const Document& document, const tinygltf::BufferView& view) {
+  const std::size_t index = at(view.buffer);
   const Json& buffer = document.json()["buffers"][index];
   const Json* extension = find_extension(buffer, "EXT_meshopt_compression");
   const Json* fallback = find(extension, "fallback");
@@ -74,8 +77,9 @@ bool has_plain_data(const Document& document, const Json& view) {
 }  // namespace
 
 std::optional<CompressedView> compressed_view(Document& document, int buffer_view) {
-  const Json& view = document.json()["bufferViews"][static_cast<std::size_t>(buffer_view)];
-  const Json* extension = find_extension(view, "EXT_meshopt_compression");
+  const tinygltf::BufferView& view = document.model().bufferViews[at(buffer_view)];
+  const Json* extension =
+      find_extension(document.json()["bufferViews"][at(buffer_view)], "EXT_meshopt_compression");
   if (extension == nullptr) return std::nullopt;
   const std::string home = fmt::format("/bufferViews/{}", buffer_view);
   const std::string pointer = home + "/extensions/EXT_meshopt_compression";
@@ -103,28 +107,25 @@ std::optional<CompressedView> compressed_view(Document& document, int buffer_vie
   result.array.mode = choice(document, *extension, "mode", pointer, kModes);
   result.array.filter = choice(document, *extension, "filter", pointer, kFilters);
   check_stride(document, result.array, pointer);
-  const auto length = view["byteLength"].get<std::uint64_t>();
+  const std::size_t length = view.byteLength;
   if (length % result.array.stride != 0 || length / result.array.stride != result.array.count) {
     throw_input_error(
         document.where(pointer),
         fmt::format("{} elements of {} bytes", result.array.count, result.array.stride),
         fmt::format("the {} bytes of its buffer view", length));
   }
-  const Json* stride = find(&view, "byteStride");
-  if (stride != nullptr && stride->get<std::size_t>() != result.array.stride) {
+  if (view.byteStride != 0 && view.byteStride != result.array.stride) {
     throw_input_error(document.where(pointer + "/byteStride"), std::to_string(result.array.stride),
-                      fmt::format("{}, as its buffer view has", stride->get<std::size_t>()));
+                      fmt::format("{}, as its buffer view has", view.byteStride));
   }
   return result;
 }
 
-std::optional<std::vector<std::uint32_t>> decode_primitive(Document& document,
-                                                           const tinygltf::Model& model,
-                                                           Accessors& accessors, int mesh,
-                                                           std::size_t primitive) {
+std::optional<std::vector<std::uint32_t>> decode_primitive(Document& document, Accessors& accessors,
+                                                           int mesh, std::size_t primitive) {
   const std::string pointer = fmt::format("/meshes/{}/primitives/{}", mesh, primitive);
   const std::string place = pointer + "/extensions/KHR_draco_mesh_compression";
-  const auto at = [](int index) { return static_cast<std::size_t>(index); };
+  const tinygltf::Model& model = document.model();
   const Json* extension = find_extension(
       document.json()["meshes"][at(mesh)]["primitives"][primitive], "KHR_draco_mesh_compression");
   if (extension == nullptr) return std::nullopt;

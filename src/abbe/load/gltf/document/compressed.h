@@ -33,9 +33,7 @@ std::optional<CompressedView> compressed_view(Document& document, int buffer_vie
 /// the plain data are there instead.
 /// Errors: input Error for broken data, attributes that are not there or that the primitive lacks,
 ///         and for a build that cannot decode what is not there as plain data.
-std::optional<std::vector<std::uint32_t>> decode_primitive(Document& document,
-                                                           const tinygltf::Model& model,
-                                                           Accessors& accessors, int mesh,
-                                                           std::size_t primitive);
+std::optional<std::vector<std::uint32_t>> decode_primitive(Document& document, Accessors& accessors,
+                                                           int mesh, std::size_t primitive);
 
 }  // namespace abbe::gltf

@@ -102,6 +102,7 @@ Document::Document(const std::filesystem::path& file, Notes& notes, bool strict)
                       fmt::format("at most {}", kMaxJsonBytes));
   }
   json_ = parse({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file_name_);
+  if (!binary_chunk_) kept_.clear();  // The tree has it all.
 }
 
 void Document::fault(const std::string& pointer, const std::string& found,

@@ -1,6 +1,8 @@
-/// The outer layers of a glTF file: container, JSON text, its tree, and the other files it names.
-/// Everything hostile is stopped here or in gltf_check, before tinygltf sees the document.
+/// The outer layers of a glTF file: container, JSON text, what it says, and the other files it
+/// names. Everything hostile is stopped here or in check.h, before tinygltf sees the document.
 #pragma once
+
+#include <tiny_gltf.h>
 
 #include <cstdint>
 #include <deque>
@@ -26,7 +28,7 @@ using Bytes = std::span<const std::uint8_t>;
 /// Largest file read, the scene's own or one that it names.
 inline constexpr std::uint64_t kMaxFileBytes = std::uint64_t{4} << 30;
 
-/// A glTF file taken apart: its JSON tree, its binary chunk, and the bytes of all files read.
+/// A glTF file taken apart: what it says, its binary chunk, and the bytes of all files read.
 class Document {
  public:
   /// Reads a .gltf or .glb; the content decides which it is.
@@ -34,8 +36,16 @@ class Document {
   /// Errors: input Error when missing, not a regular file, too large, no glTF, nested too deep.
   Document(const std::filesystem::path& file, Notes& notes, bool strict = false);
 
+  /// All of its JSON, until read_model() takes the core out.
   const Json& json() const { return json_; }
   Json& json() { return json_; }
+  /// glTF's core as tinygltf reads it, but for buffers, images, materials and cameras.
+  const tinygltf::Model& model() const { return model_; }
+  /// Has tinygltf read the arrays of the core, which checks have passed: model() has them then, and
+  /// of their elements (and of primitives) json() only the extensions.
+  /// Errors: input Error for what tinygltf refuses.
+  void read_model();
+
   /// The BIN chunk of a .glb, if it has one.
   std::optional<Bytes> binary_chunk() const { return binary_chunk_; }
 
@@ -95,6 +105,7 @@ class Document {
   std::set<std::filesystem::path> read_once_;
   std::optional<Bytes> binary_chunk_;
   Json json_;
+  tinygltf::Model model_;
   std::uint64_t bytes_read_ = 0;
   std::uint64_t hash_ = 0xcbf29ce484222325ull;
   Notes& notes_;

@@ -178,7 +178,7 @@ const std::vector<Rule>& structure_rules() {
       array_of(Is::Object, "/animations"),
       array_of(Is::Object, "/animations/*/channels", 0, kMaxElements, true),
       array_of(Is::Object, "/animations/*/samplers", 0, kMaxElements, true),
-      integer("/animations/*/channels/*/sampler", 0, kLargestInteger, true),
+      integer("/animations/*/channels/*/sampler", 0, 2147483647.0, true),
       object("/animations/*/channels/*/target", true),
       text("/animations/*/channels/*/target/path", true),
       index("/animations/*/samplers/*/input", "/accessors", true),

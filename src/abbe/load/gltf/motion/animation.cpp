@@ -9,30 +9,22 @@
 
 #include "abbe/base/error.h"
 #include "abbe/base/text.h"
-#include "abbe/load/gltf/document/check.h"
 #include "abbe/load/gltf/motion/curve.h"
 
 namespace abbe::gltf {
 namespace {
 
-constexpr Json::size_type at(int index) {
-  return static_cast<Json::size_type>(index);
+constexpr std::size_t at(int index) {
+  return static_cast<std::size_t>(index);
 }
 
-const Json& animations_of(const Document& document) {
-  static const Json kNone = Json::array();
-  const Json* animations = find(&document.json(), "animations");
-  return animations == nullptr ? kNone : *animations;
-}
-
-std::string name_of(const Json& animation, std::size_t number) {
-  const std::string name = animation.value("name", std::string());
-  return name.empty() ? fmt::format("animation {}", number) : name;
+std::string name_of(const tinygltf::Animation& animation, std::size_t number) {
+  return animation.name.empty() ? fmt::format("animation {}", number) : animation.name;
 }
 
 // Animations by their numbers, first to last.
 std::vector<std::size_t> chosen_animations(const Document& document, const std::string& choice) {
-  const Json& animations = animations_of(document);
+  const auto& animations = document.model().animations;
   std::vector<std::size_t> all;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < animations.size(); ++i) {
@@ -64,12 +56,12 @@ class Curves {
   }
 
   /// The curve of a sampler for a property of so many numbers; nothing after a fault.
-  std::optional<Curve> read(const Json& sampler, const std::string& pointer,
+  std::optional<Curve> read(const tinygltf::AnimationSampler& sampler, const std::string& pointer,
                             const std::string& path, std::size_t width) {
     Curve curve;
     curve.width = width;
     curve.is_rotation = path == "rotation";
-    const std::string interpolation = sampler.value("interpolation", std::string("LINEAR"));
+    const std::string& interpolation = sampler.interpolation;
     if (interpolation == "STEP") {
       curve.interpolation = Interpolation::Step;
     } else if (interpolation == "CUBICSPLINE") {
@@ -78,8 +70,8 @@ class Curves {
       document_.fault(pointer + "/interpolation", in_quotes(interpolation),
                       "LINEAR, STEP or CUBICSPLINE", "LINEAR is used");
     }
-    curve.times_s = times(sampler["input"].get<int>(), pointer + "/input");
-    curve.values = values(sampler["output"].get<int>(), pointer + "/output", path);
+    curve.times_s = times(sampler.input, pointer + "/input");
+    curve.values = values(sampler.output, pointer + "/output", path);
     if (!are_times(curve.times_s, pointer)) return std::nullopt;
     if (!std::all_of(curve.values.begin(), curve.values.end(),
                      [](float value) { return std::isfinite(value); })) {
@@ -134,8 +126,9 @@ class Curves {
 };
 
 // How many numbers a property of a node has; nothing, after a fault, where it has none.
-std::optional<std::size_t> width_of(Document& document, const tinygltf::Model& model, int node,
-                                    const std::string& path, const std::string& pointer) {
+std::optional<std::size_t> width_of(Document& document, int node, const std::string& path,
+                                    const std::string& pointer) {
+  const tinygltf::Model& model = document.model();
   const tinygltf::Node& target = model.nodes[at(node)];
   if (path == "weights") {
     const std::size_t targets =
@@ -173,15 +166,14 @@ void apply(const std::string& path, std::vector<double> value, NodePose& pose) {
 }  // namespace
 
 void check_animations(const Document& document) {
-  const Json& animations = animations_of(document);
+  const auto& animations = document.model().animations;
   for (std::size_t a = 0; a < animations.size(); ++a) {
-    const std::size_t samplers = animations[a]["samplers"].size();
-    const Json& channels = animations[a]["channels"];
+    const std::size_t samplers = animations[a].samplers.size();
+    const auto& channels = animations[a].channels;
     for (std::size_t c = 0; c < channels.size(); ++c) {
-      const auto sampler = channels[c]["sampler"].get<std::uint64_t>();
-      if (sampler < samplers) continue;
+      if (at(channels[c].sampler) < samplers) continue;
       throw_input_error(document.where(fmt::format("/animations/{}/channels/{}/sampler", a, c)),
-                        std::to_string(sampler),
+                        std::to_string(channels[c].sampler),
                         fmt::format("a sampler of the animation, which has {}", samplers));
     }
   }
@@ -190,16 +182,16 @@ void check_animations(const Document& document) {
 std::vector<Animation> list_animations(Document& document, Accessors& accessors) {
   Curves curves(document, accessors);
   std::vector<Animation> result;
-  const Json& animations = animations_of(document);
+  const auto& animations = document.model().animations;
   for (std::size_t a = 0; a < animations.size(); ++a) {
     Animation animation{name_of(animations[a], a), 0.0};
-    const Json& samplers = animations[a]["samplers"];
+    const auto& samplers = animations[a].samplers;
     for (std::size_t s = 0; s < samplers.size(); ++s) {
-      const int input = samplers[s]["input"].get<int>();
-      const Json* max = find(&document.json()["accessors"][at(input)], "max");
+      const int input = samplers[s].input;
+      const std::vector<double>& max = document.model().accessors[at(input)].maxValues;
       double end_s = 0.0;
-      if (max != nullptr) {
-        end_s = max->front().get<double>();
+      if (!max.empty()) {
+        end_s = max.front();
       } else {
         const auto& times_s =
             curves.times(input, fmt::format("/animations/{}/samplers/{}/input", a, s));
@@ -212,9 +204,9 @@ std::vector<Animation> list_animations(Document& document, Accessors& accessors)
   return result;
 }
 
-Pose pose_at(Document& document, const tinygltf::Model& model, Accessors& accessors, double time_s,
+Pose pose_at(Document& document, Accessors& accessors, double time_s,
              const std::string& animation) {
-  const Json& animations = animations_of(document);
+  const auto& animations = document.model().animations;
   const std::vector<std::size_t> chosen = chosen_animations(document, animation);
   if (chosen.empty()) {
     document.notes().warn(document.file_name(), "no animation: it is the same at every time");
@@ -225,22 +217,21 @@ Pose pose_at(Document& document, const tinygltf::Model& model, Accessors& access
   for (const std::size_t a : chosen) {
     bool is_second = false;
     std::set<std::pair<int, std::string>> moved_here;
-    const Json& channels = animations[a]["channels"];
+    const auto& channels = animations[a].channels;
     for (std::size_t c = 0; c < channels.size(); ++c) {
-      const Json* node = find(&channels[c]["target"], "node");
-      if (node == nullptr) continue;  // Of an extension that is not supported, or of nothing.
-      const int target = node->get<int>();
-      const auto path = channels[c]["target"]["path"].get<std::string>();
+      const int target = channels[c].target_node;
+      if (target < 0) continue;  // Of an extension that is not supported, or of nothing.
+      const std::string& path = channels[c].target_path;
       if (moved.contains({target, path})) {
         is_second = true;
         continue;
       }
       const std::string pointer = fmt::format("/animations/{}/channels/{}/target", a, c);
-      const auto width = width_of(document, model, target, path, pointer);
+      const auto width = width_of(document, target, path, pointer);
       if (!width) continue;
-      const auto sampler = channels[c]["sampler"].get<std::size_t>();
+      const std::size_t sampler = at(channels[c].sampler);
       const auto curve =
-          curves.read(animations[a]["samplers"][sampler],
+          curves.read(animations[a].samplers[sampler],
                       fmt::format("/animations/{}/samplers/{}", a, sampler), path, *width);
       if (!curve) continue;
       apply(path, value_at(*curve, time_s), pose[target]);

@@ -1,8 +1,6 @@
 /// glTF's animations: what they are called, and what they make of nodes at a time.
 #pragma once
 
-#include <tiny_gltf.h>
-
 #include <map>
 #include <optional>
 #include <string>
@@ -37,7 +35,6 @@ std::vector<Animation> list_animations(Document& document, Accessors& accessors)
 /// first key a property has the value of that key, after its last the last.
 /// Errors: a usage Error at `animation` for one that the file does not have; an input Error for
 ///         data that cannot be read. What breaks a rule otherwise is a fault, and left out.
-Pose pose_at(Document& document, const tinygltf::Model& model, Accessors& accessors, double time_s,
-             const std::string& animation);
+Pose pose_at(Document& document, Accessors& accessors, double time_s, const std::string& animation);
 
 }  // namespace abbe::gltf

@@ -5,19 +5,17 @@
 #include <cmath>
 
 #include "abbe/base/error.h"
-#include "abbe/load/gltf/document/check.h"
 
 namespace abbe::gltf {
 namespace {
 
 // From mesh space to that of each joint; without them both are the same.
-std::vector<Mat4d> bind_matrices(Document& document, Accessors& accessors, const Json& skin,
-                                 const std::string& pointer) {
-  const std::size_t joints = skin["joints"].size();
-  const Json* accessor = find(&skin, "inverseBindMatrices");
-  if (accessor == nullptr) return std::vector<Mat4d>(joints, Mat4d(1.0));
+std::vector<Mat4d> bind_matrices(Document& document, Accessors& accessors,
+                                 const tinygltf::Skin& skin, const std::string& pointer) {
+  const std::size_t joints = skin.joints.size();
+  const int number = skin.inverseBindMatrices;
+  if (number < 0) return std::vector<Mat4d>(joints, Mat4d(1.0));
   const std::string user = pointer + "/inverseBindMatrices";
-  const int number = accessor->get<int>();
   accessors.spend(accessors.count(number), user);
   std::vector<Mat4d> matrices = accessors.matrices(number, user);
   if (matrices.size() < joints) {
@@ -46,13 +44,13 @@ std::vector<Mat4d> bind_matrices(Document& document, Accessors& accessors, const
 PosedSkin read_skin(Document& document, Accessors& accessors, int skin,
                     const std::function<Mat4d(int)>& to_world) {
   const std::string pointer = fmt::format("/skins/{}", skin);
-  const Json& json = document.json()["skins"][static_cast<Json::size_type>(skin)];
-  const Json& joints = json["joints"];
-  PosedSkin posed{bind_matrices(document, accessors, json, pointer), Vec3d(0.0)};
+  const tinygltf::Skin& source = document.model().skins[static_cast<std::size_t>(skin)];
+  const std::vector<int>& joints = source.joints;
+  PosedSkin posed{bind_matrices(document, accessors, source, pointer), Vec3d(0.0)};
   posed.joint_matrices.resize(joints.size());
-  posed.origin = Vec3d(to_world(joints.front().get<int>())[3]);
+  posed.origin = Vec3d(to_world(joints.front())[3]);
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    Mat4d joint_to_world = to_world(joints[j].get<int>());
+    Mat4d joint_to_world = to_world(joints[j]);
     joint_to_world[3] -= Vec4d(posed.origin, 0.0);
     posed.joint_matrices[j] = joint_to_world * posed.joint_matrices[j];
   }

@@ -83,7 +83,8 @@ bool is_finite(const Mat4d& m) {
 
 }  // namespace
 
-void check_graph(const Document& document, const tinygltf::Model& model) {
+void check_graph(const Document& document) {
+  const tinygltf::Model& model = document.model();
   std::vector<int> parents(model.nodes.size(), kNone);
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     const auto& children = model.nodes[i].children;
@@ -117,7 +118,8 @@ void check_graph(const Document& document, const tinygltf::Model& model) {
   }
 }
 
-std::vector<int> scene_roots(Document& document, const tinygltf::Model& model, int scene) {
+std::vector<int> scene_roots(Document& document, int scene) {
+  const tinygltf::Model& model = document.model();
   const std::vector<int>& listed = model.scenes[at(scene)].nodes;
   const std::vector<int> parents = parents_of(model);
   std::vector<bool> is_listed(model.nodes.size(), false);
@@ -152,13 +154,13 @@ std::vector<int> scene_roots(Document& document, const tinygltf::Model& model, i
   return roots;
 }
 
-Places::Places(Document& document, const tinygltf::Model& model, Pose pose)
+Places::Places(Document& document, Pose pose)
     : document_(document),
-      model_(model),
+      model_(document.model()),
       pose_(std::move(pose)),
-      parents_(parents_of(model)),
-      locals_(model.nodes.size()),
-      worlds_(model.nodes.size()) {}
+      parents_(parents_of(model_)),
+      locals_(model_.nodes.size()),
+      worlds_(model_.nodes.size()) {}
 
 const NodePose* Places::pose_of(int node) const {
   const auto found = pose_.find(node);

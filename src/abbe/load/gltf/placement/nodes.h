@@ -23,16 +23,16 @@ struct PlacedNode {
 
 /// Checks that the nodes are a forest: one parent each, no cycles.
 /// Errors: input Error at the node.
-void check_graph(const Document& document, const tinygltf::Model& model);
+void check_graph(const Document& document);
 
 /// The roots of a scene, each once and none below another; what is not so is a fault.
-std::vector<int> scene_roots(Document& document, const tinygltf::Model& model, int scene);
+std::vector<int> scene_roots(Document& document, int scene);
 
 /// Where the nodes of a file stand in a pose.
 class Places {
  public:
   /// The rest outlives this.
-  Places(Document& document, const tinygltf::Model& model, Pose pose);
+  Places(Document& document, Pose pose);
 
   /// Places each node below the given roots; parents before children, in file order. Chains of any
   /// length are walked without recursion.

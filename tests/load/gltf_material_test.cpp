@@ -171,6 +171,13 @@ TEST_F(GltfMaterial, texture_is_decoded_with_its_sampler) {
   EXPECT_EQ(notes_text(), "");
 }
 
+TEST_F(GltfMaterial, scheme_of_an_embedded_image_has_no_case) {
+  use_texture();
+  document["images"][0]["uri"] = "DATA" + std::string(kRedPixel).substr(4);
+  EXPECT_EQ(load().images.size(), 1u);
+  EXPECT_THAT(notes.all(), IsEmpty());
+}
+
 TEST_F(GltfMaterial, textures_of_one_image_decode_it_once) {
   use_texture();
   document["textures"].push_back({{"source", 0}});

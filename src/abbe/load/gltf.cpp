@@ -4,7 +4,6 @@
 #include <tiny_gltf.h>
 
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,18 +50,6 @@ std::optional<int> chosen_scene(const Document& document, const LoadOptions& opt
   return 0;
 }
 
-std::vector<int> parentless_nodes(const tinygltf::Model& model) {
-  std::set<int> children;
-  for (const tinygltf::Node& node : model.nodes) {
-    children.insert(node.children.begin(), node.children.end());
-  }
-  std::vector<int> roots;
-  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
-    if (children.count(static_cast<int>(i)) == 0) roots.push_back(static_cast<int>(i));
-  }
-  return roots;
-}
-
 }  // namespace
 }  // namespace gltf
 
@@ -90,12 +77,12 @@ Scene read_scene(const std::filesystem::path& file, const Catalogue& catalogue,
   const std::optional<int> chosen = gltf::chosen_scene(document, options);
   std::vector<int> roots;
   if (chosen) {
-    scene.name = document.model().scenes[static_cast<std::size_t>(*chosen)].name;
+    scene.name = document.model().scenes[gltf::at(*chosen)].name;
     roots = gltf::scene_roots(document, *chosen);
     gltf::apply_abbe_scene(document, *chosen, spectra, scene);
     gltf::apply_image_based_light(document, accessors, *chosen, scene);
   } else {
-    roots = gltf::parentless_nodes(document.model());
+    roots = gltf::parentless_nodes(document);
     notes.info(document.file_name(), "the file has no scene; all its nodes are taken");
   }
   scene.animations = gltf::list_animations(document, accessors);

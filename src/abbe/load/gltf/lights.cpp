@@ -82,7 +82,7 @@ std::shared_ptr<const Environment> read_environment(Document& document, const Fi
   fields.only({"uri", "scale", "rotation_deg", "visible", "spectrum"});
   auto result = std::make_shared<Environment>();
   const std::string uri = fields.required_text("uri");
-  if (uri.starts_with("data:")) {
+  if (is_data(uri)) {
     throw_input_error(fields.where("uri"), "a data: URI", "a file in the folder of the scene");
   }
   const std::filesystem::path file = document.resolve_uri(uri, fields.pointer("uri"));
@@ -143,8 +143,7 @@ std::vector<Vec4d> read_planes(const Fields& convex) {
 
 Camera read_camera(Document& document, int index) {
   const std::string pointer = fmt::format("/cameras/{}", index);
-  const Fields fields(document, document.json()["cameras"][static_cast<std::size_t>(index)],
-                      pointer);
+  const Fields fields(document, document.json()["cameras"][at(index)], pointer);
   Camera camera;
   camera.name = name_or(fields, "");
   const std::string type = fields.required_text("type");
@@ -175,9 +174,7 @@ Camera read_camera(Document& document, int index) {
 
 Light read_light(Document& document, int index, Spectra& spectra) {
   const std::string pointer = fmt::format("/extensions/KHR_lights_punctual/lights/{}", index);
-  const Json& json =
-      document
-          .json()["extensions"]["KHR_lights_punctual"]["lights"][static_cast<std::size_t>(index)];
+  const Json& json = document.json()["extensions"]["KHR_lights_punctual"]["lights"][at(index)];
   const Fields fields(document, json, pointer);
   Light light;
   light.name = name_or(fields, "");
@@ -240,8 +237,7 @@ Light read_light(Document& document, int index, Spectra& spectra) {
 }
 
 std::optional<Shape> read_shape(Document& document, int mesh) {
-  const Json& json = document.json()["meshes"][static_cast<std::size_t>(mesh)];
-  const Json* extension = find_extension(json, "ABBE_shape");
+  const Json* extension = find_extension(document, "meshes", mesh, "ABBE_shape");
   if (extension == nullptr) return std::nullopt;
   const Fields fields(document, *extension, fmt::format("/meshes/{}/extensions/ABBE_shape", mesh));
   fields.only({"sphere", "convex"});
@@ -270,8 +266,7 @@ std::optional<Shape> read_shape(Document& document, int mesh) {
 }
 
 void apply_abbe_scene(Document& document, int scene_index, Spectra& spectra, Scene& scene) {
-  const Json& json = document.json()["scenes"][static_cast<std::size_t>(scene_index)];
-  const Json* extension = find_extension(json, "ABBE_scene");
+  const Json* extension = find_extension(document, "scenes", scene_index, "ABBE_scene");
   if (extension == nullptr) return;
   const Fields fields(document, *extension,
                       fmt::format("/scenes/{}/extensions/ABBE_scene", scene_index));

@@ -207,8 +207,7 @@ void read_attributes(Document& document, Accessors& accessors, const tinygltf::P
     if (name == "POSITION") {
       mesh.positions = accessors.vec3(accessor, user, exact, selected);
       if (selected) continue;
-      check_range(document, document.model().accessors[static_cast<std::size_t>(accessor)],
-                  accessor, mesh.positions);
+      check_range(document, document.model().accessors[at(accessor)], accessor, mesh.positions);
     } else if (name == "NORMAL") {
       mesh.normals = accessors.vec3(accessor, user, exact, selected);
     } else if (name == "TANGENT") {
@@ -242,13 +241,13 @@ void move_vertices(Document& document, Accessors& accessors, const tinygltf::Pri
 std::optional<Mesh> read_triangles(Document& document, Accessors& accessors, int mesh_index,
                                    std::size_t primitive, const Deformation& deformation,
                                    std::optional<std::vector<std::uint32_t>> decoded) {
-  const tinygltf::Mesh& source_mesh = document.model().meshes[static_cast<std::size_t>(mesh_index)];
+  const tinygltf::Mesh& source_mesh = document.model().meshes[at(mesh_index)];
   const tinygltf::Primitive& source = source_mesh.primitives[primitive];
   const std::string pointer = fmt::format("/meshes/{}/primitives/{}", mesh_index, primitive);
   const std::string place = document.where(pointer);
   Notes& notes = document.notes();
   // A strip, too, is compressed as a list.
-  const int mode = source.mode < 0 || decoded ? TINYGLTF_MODE_TRIANGLES : source.mode;
+  const int mode = decoded ? TINYGLTF_MODE_TRIANGLES : source.mode;
 
   const int positions = source.attributes.at("POSITION");
   for (const int used : {positions, decoded ? -1 : source.indices}) {
@@ -286,11 +285,10 @@ std::optional<Mesh> read_triangles(Document& document, Accessors& accessors, int
 
 std::optional<Mesh> read_primitive(Document& document, Accessors& accessors, int mesh,
                                    std::size_t primitive, const Deformation& deformation) {
-  const tinygltf::Primitive& source =
-      document.model().meshes[static_cast<std::size_t>(mesh)].primitives[primitive];
+  const tinygltf::Primitive& source = document.model().meshes[at(mesh)].primitives[primitive];
   const std::string place =
       document.where(fmt::format("/meshes/{}/primitives/{}", mesh, primitive));
-  const int mode = source.mode < 0 ? TINYGLTF_MODE_TRIANGLES : source.mode;
+  const int mode = source.mode;
   if (std::string(mode_name(mode)) != "triangles") {
     document.notes().warn(
         place, fmt::format("{} {} are not rendered",

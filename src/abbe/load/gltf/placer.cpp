@@ -22,7 +22,7 @@
 namespace abbe::gltf {
 
 void Placer::place(const PlacedNode& node) {
-  const tinygltf::Node& source = model_.nodes[static_cast<std::size_t>(node.index)];
+  const tinygltf::Node& source = model_.nodes[at(node.index)];
   const std::string pointer = fmt::format("/nodes/{}", node.index);
   if (source.mesh >= 0 && node.is_visible) place_mesh(node, pointer);
   if (source.camera >= 0) {
@@ -31,8 +31,7 @@ void Placer::place(const PlacedNode& node) {
     camera.to_world = rigid(node.to_world);
     scene_.cameras.push_back(std::move(camera));
   }
-  const Json& json = document_.json()["nodes"][static_cast<std::size_t>(node.index)];
-  const Json* extension = find_extension(json, "KHR_lights_punctual");
+  const Json* extension = find_extension(document_, "nodes", node.index, "KHR_lights_punctual");
   if (extension != nullptr && node.is_visible) {
     Light light = read_light(document_, (*extension)["light"].get<int>(), spectra_);
     if (light.name.empty()) light.name = node.name;
@@ -42,8 +41,8 @@ void Placer::place(const PlacedNode& node) {
 }
 
 Placer::Use Placer::use_of(const PlacedNode& node, const std::string& pointer) {
-  const tinygltf::Node& source = model_.nodes[static_cast<std::size_t>(node.index)];
-  const tinygltf::Mesh& mesh = model_.meshes[static_cast<std::size_t>(source.mesh)];
+  const tinygltf::Node& source = model_.nodes[at(node.index)];
+  const tinygltf::Mesh& mesh = model_.meshes[at(source.mesh)];
   Use use{source.mesh, -1, morph_weights(source, mesh, places_.pose_of(node.index), pointer)};
   if (source.skin < 0) return use;
   // Once a mesh: many nodes may use one of many primitives.
@@ -95,7 +94,7 @@ const Placer::Converted& Placer::converted(const Use& use) {
   if (known != converted_.end()) return known->second;
   const int mesh = use.mesh;
   Converted result;
-  const tinygltf::Mesh& source = model_.meshes[static_cast<std::size_t>(mesh)];
+  const tinygltf::Mesh& source = model_.meshes[at(mesh)];
   result.shape = read_shape(document_, mesh);
   if (result.shape) {
     result.shape->name = source.name.empty() ? fmt::format("mesh {}", mesh) : source.name;

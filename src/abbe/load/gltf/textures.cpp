@@ -63,13 +63,13 @@ std::optional<std::uint32_t> Textures::texture(int index, const std::string& poi
   const auto known = textures_.find(index);
   if (known != textures_.end()) return known->second;
 
-  const tinygltf::Texture& source = model_.textures[static_cast<std::size_t>(index)];
+  const tinygltf::Texture& source = model_.textures[at(index)];
   std::optional<std::uint32_t> result;
   if (const auto found = image_of(index, pointer)) {
     Texture texture;
     texture.image = *found;
     if (source.sampler >= 0) {
-      const tinygltf::Sampler& sampler = model_.samplers[static_cast<std::size_t>(source.sampler)];
+      const tinygltf::Sampler& sampler = model_.samplers[at(source.sampler)];
       const std::string place = fmt::format("/samplers/{}", source.sampler);
       texture.wrap_s = wrap(sampler.wrapS, place + "/wrapS");
       texture.wrap_t = wrap(sampler.wrapT, place + "/wrapT");
@@ -91,13 +91,12 @@ std::optional<std::uint32_t> Textures::texture(int index, const std::string& poi
 
 std::optional<std::uint32_t> Textures::image_of(int texture, const std::string& user) {
   const std::string pointer = fmt::format("/textures/{}", texture);
-  const Json& json = document_.json()["textures"][static_cast<std::size_t>(texture)];
-  if (const Json* webp = find_extension(json, "EXT_texture_webp")) {
+  if (const Json* webp = find_extension(document_, "textures", texture, "EXT_texture_webp")) {
     return image((*webp)["source"].get<int>(), user);
   }
-  const int source = model_.textures[static_cast<std::size_t>(texture)].source;
+  const int source = model_.textures[at(texture)].source;
   if (source >= 0) return image(source, user);
-  if (find_extension(json, "KHR_texture_basisu") != nullptr) {
+  if (find_extension(document_, "textures", texture, "KHR_texture_basisu") != nullptr) {
     throw_input_error(document_.where(pointer), "KHR_texture_basisu, a KTX2 image, alone",
                       "a source that is a PNG, JPEG or WebP image beside it");
   }
@@ -142,7 +141,7 @@ std::optional<std::uint32_t> Textures::image(int index, const std::string& user)
     throw_input_error(document_.where(pointer), fmt::format("{} pixels in all images", pixels_),
                       fmt::format("at most {}", kMaxPixels));
   }
-  const Json& source = document_.json()["images"][static_cast<std::size_t>(index)];
+  const Json& source = document_.json()["images"][at(index)];
   const Json* name = find(&source, "name");
   TextureImage image = keep(std::move(decoded));
   image.name = name != nullptr ? name->get<std::string>() : fmt::format("image {}", index);
@@ -179,7 +178,7 @@ void Textures::check_uris() const {
     const Json* uri = find(&(*images)[i], "uri");
     if (uri == nullptr) continue;
     const auto& text = uri->get_ref<const std::string&>();
-    if (text.rfind("data:", 0) == 0) continue;
+    if (is_data(text)) continue;
     document_.check_uri(text, fmt::format("/images/{}/uri", i));
   }
 }

@@ -30,9 +30,8 @@ std::optional<std::size_t> chosen_variant(const Document& document, const std::s
 
 int material_of(const Document& document, int mesh, std::size_t primitive,
                 std::optional<std::size_t> variant) {
-  const auto index = static_cast<std::size_t>(mesh);
-  const Json& json = document.json()["meshes"][index]["primitives"][primitive];
-  const Json* extension = variant ? find_extension(json, "KHR_materials_variants") : nullptr;
+  const Json* extension =
+      variant ? find_extension(document, mesh, primitive, "KHR_materials_variants") : nullptr;
   if (extension != nullptr) {
     for (const Json& mapping : (*extension)["mappings"]) {
       const Json& variants = mapping["variants"];
@@ -41,7 +40,7 @@ int material_of(const Document& document, int mesh, std::size_t primitive,
       }
     }
   }
-  return document.model().meshes[index].primitives[primitive].material;
+  return document.model().meshes[at(mesh)].primitives[primitive].material;
 }
 
 }  // namespace abbe::gltf

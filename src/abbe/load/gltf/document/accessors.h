@@ -86,7 +86,6 @@ class Accessors {
     std::vector<std::uint8_t> elements;
   };
 
-  static std::size_t at(int index) { return static_cast<std::size_t>(index); }
   Bytes buffer(int index);
   Bytes part(int buffer, std::uint64_t offset, std::uint64_t length, const std::string& pointer,
              const std::string& user);

@@ -314,6 +314,16 @@ const Json* find_extension(const Json& element, const char* name) {
   return find(find(&element, "extensions"), name);
 }
 
+const Json* find_extension(const Document& document, const char* array, int index,
+                           const char* name) {
+  return find_extension(document.json()[array][at(index)], name);
+}
+
+const Json* find_extension(const Document& document, int mesh, std::size_t primitive,
+                           const char* name) {
+  return find_extension(document.json()["meshes"][at(mesh)]["primitives"][primitive], name);
+}
+
 void check_structure(Document& document) {
   Json& json = document.json();
   if (!json.is_object()) {

@@ -28,5 +28,11 @@ const Json* find(const Json* object, const char* name);
 
 /// The extension object of an element, or nothing.
 const Json* find_extension(const Json& element, const char* name);
+/// The same of an element of an array of the document: "nodes", 3.
+const Json* find_extension(const Document& document, const char* array, int index,
+                           const char* name);
+/// The same of a primitive.
+const Json* find_extension(const Document& document, int mesh, std::size_t primitive,
+                           const char* name);
 
 }  // namespace abbe::gltf

@@ -14,10 +14,6 @@
 namespace abbe::gltf {
 namespace {
 
-std::size_t at(int index) {
-  return static_cast<std::size_t>(index);
-}
-
 template <typename T, std::size_t N>
 T choice(Document& document, const Json& extension, const char* name, const std::string& pointer,
          const std::array<std::pair<const char*, T>, N>& known) {
@@ -79,7 +75,7 @@ bool has_plain_data(const Document& document, const tinygltf::BufferView& view) 
 std::optional<CompressedView> compressed_view(Document& document, int buffer_view) {
   const tinygltf::BufferView& view = document.model().bufferViews[at(buffer_view)];
   const Json* extension =
-      find_extension(document.json()["bufferViews"][at(buffer_view)], "EXT_meshopt_compression");
+      find_extension(document, "bufferViews", buffer_view, "EXT_meshopt_compression");
   if (extension == nullptr) return std::nullopt;
   const std::string home = fmt::format("/bufferViews/{}", buffer_view);
   const std::string pointer = home + "/extensions/EXT_meshopt_compression";
@@ -126,8 +122,7 @@ std::optional<std::vector<std::uint32_t>> decode_primitive(Document& document, A
   const std::string pointer = fmt::format("/meshes/{}/primitives/{}", mesh, primitive);
   const std::string place = pointer + "/extensions/KHR_draco_mesh_compression";
   const tinygltf::Model& model = document.model();
-  const Json* extension = find_extension(
-      document.json()["meshes"][at(mesh)]["primitives"][primitive], "KHR_draco_mesh_compression");
+  const Json* extension = find_extension(document, mesh, primitive, "KHR_draco_mesh_compression");
   if (extension == nullptr) return std::nullopt;
   const tinygltf::Primitive& source = model.meshes[at(mesh)].primitives[primitive];
 
@@ -173,7 +168,7 @@ std::optional<std::vector<std::uint32_t>> decode_primitive(Document& document, A
     check_count(used[i], decoded.points);
     accessors.supply(used[i], decoded.points, std::move(decoded.attributes[i]));
   }
-  const bool is_list = source.mode < 0 || source.mode == TINYGLTF_MODE_TRIANGLES;
+  const bool is_list = source.mode == TINYGLTF_MODE_TRIANGLES;
   if (source.indices >= 0 && is_list) check_count(source.indices, decoded.indices.size());
   return std::move(decoded.indices);
 }

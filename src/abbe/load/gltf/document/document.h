@@ -25,6 +25,11 @@ namespace abbe::gltf {
 using Json = nlohmann::json;
 using Bytes = std::span<const std::uint8_t>;
 
+/// An index, as tinygltf has it, as a place in an array.
+constexpr std::size_t at(int index) {
+  return static_cast<std::size_t>(index);
+}
+
 /// Largest file read, the scene's own or one that it names.
 inline constexpr std::uint64_t kMaxFileBytes = std::uint64_t{4} << 30;
 
@@ -112,6 +117,9 @@ class Document {
   bool is_strict_;
   std::optional<Error> first_fault_;
 };
+
+/// Whether a URI holds its data itself. Schemes have no case.
+bool is_data(const std::string& uri);
 
 /// Decodes %XX. Errors: input Error at `where` for a broken escape or an encoded NUL.
 std::string percent_decoded(const std::string& text, const std::string& where);

@@ -13,7 +13,7 @@ namespace {
 
 // The media type of a data: URI, or nothing.
 std::string data_label(const std::string& uri) {
-  if (uri.rfind("data:", 0) != 0) return "";
+  if (!is_data(uri)) return "";
   return uri.substr(5, uri.find_first_of(";,") - 5);
 }
 
@@ -38,17 +38,17 @@ void warn_of_label(Document& document, Bytes bytes, const std::string& label,
 
 std::filesystem::path image_file(const Document& document, int index) {
   const std::string pointer = fmt::format("/images/{}/uri", index);
-  const Json* uri = find(&document.json()["images"][static_cast<std::size_t>(index)], "uri");
+  const Json* uri = find(&document.json()["images"][at(index)], "uri");
   if (uri == nullptr) return {};
   const auto& text = uri->get_ref<const std::string&>();
-  if (text.starts_with("data:") || !document.has_uri(text, pointer)) return {};
+  if (is_data(text) || !document.has_uri(text, pointer)) return {};
   return document.resolve_uri(text, pointer);
 }
 
 std::optional<ImageBytes> image_bytes(Document& document, Accessors& accessors, int index,
                                       const std::string& user) {
   const std::string pointer = fmt::format("/images/{}", index);
-  const Json& source = document.json()["images"][static_cast<std::size_t>(index)];
+  const Json& source = document.json()["images"][at(index)];
   const Json* uri = find(&source, "uri");
   const Json* view = find(&source, "bufferView");
   if (uri == nullptr && view == nullptr) {

@@ -2,13 +2,13 @@
 //
 // tinygltf (2.7 and 2.9 alike) takes text only and has no word on what it drops: a member of a
 // wrong type, 3.0 for 3 or -4 for an offset is as if it were not there. So the tree is judged
-// first, and what tinygltf reads is moved out of it: each value is in one place. Not handed over is
-// what it reads otherwise than glTF or this reader does:
+// first, and what tinygltf reads is moved out of it and written for it. Not handed over is what it
+// reads otherwise than glTF or this reader does:
 // - buffers: it reads them all at once, refuses a file longer than its byteLength (which glTF
 //   3.6.1.1 allows), buffers without a uri (EXT_meshopt_compression has them for what is not there)
 //   and media types it does not know, and of broken base64 takes what comes before the fault;
-// - images: 2.7 takes their bytes from a buffer without looking at its size, and both refuse a file
-//   for one image that nothing uses;
+// - images: it takes their bytes from a buffer without looking at its size, and refuses a file for
+//   one image that nothing uses;
 // - cameras and KHR_lights_punctual: an unused one without znear or spot refuses the whole file;
 // - extensions, and materials, which are read by the same code: a tinygltf::Value wraps integers
 //   beyond 32 bits and drops null (in arrays, too: what follows moves up), [] and {}.
@@ -27,9 +27,9 @@ namespace {
 constexpr std::array kArrays = {"scenes",   "nodes",    "meshes", "accessors", "bufferViews",
                                 "samplers", "textures", "skins",  "animations"};
 
-// What is left in its place are its extensions.
+// What is left in its place are its extensions, or nothing.
 Json take_core(Json& element) {
-  Json core = std::exchange(element, Json::object());
+  Json core = std::exchange(element, Json());
   core.erase("extras");
   if (const auto extensions = core.find("extensions"); extensions != core.end()) {
     element["extensions"] = std::move(*extensions);

@@ -28,14 +28,6 @@ bool is_letter(char c) {
 
 constexpr std::string_view kData = "data:";
 
-// Schemes have no case.
-bool is_data(const std::string& uri) {
-  const auto is_same = [](char a, char b) { return a == b || a == b - 'a' + 'A'; };
-  return uri.size() >= kData.size() &&
-         std::equal(kData.begin(), kData.end(), uri.begin(),
-                    [&](char letter, char c) { return is_same(c, letter); });
-}
-
 // Whether a path, followed name by name, is outside of where it starts at any time.
 bool leaves(const fs::path& relative) {
   int depth = 0;
@@ -66,6 +58,11 @@ std::string quoted(const std::string& text) {
 }
 
 }  // namespace
+
+bool is_data(const std::string& uri) {
+  const auto is_same = [](char letter, char c) { return c == letter || c == letter - 'a' + 'A'; };
+  return uri.size() >= kData.size() && std::equal(kData.begin(), kData.end(), uri.begin(), is_same);
+}
 
 std::string percent_decoded(const std::string& text, const std::string& where) {
   std::string result;

@@ -14,10 +14,6 @@
 namespace abbe::gltf {
 namespace {
 
-constexpr std::size_t at(int index) {
-  return static_cast<std::size_t>(index);
-}
-
 std::string name_of(const tinygltf::Animation& animation, std::size_t number) {
   return animation.name.empty() ? fmt::format("animation {}", number) : animation.name;
 }

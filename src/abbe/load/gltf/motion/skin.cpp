@@ -44,7 +44,7 @@ std::vector<Mat4d> bind_matrices(Document& document, Accessors& accessors,
 PosedSkin read_skin(Document& document, Accessors& accessors, int skin,
                     const std::function<Mat4d(int)>& to_world) {
   const std::string pointer = fmt::format("/skins/{}", skin);
-  const tinygltf::Skin& source = document.model().skins[static_cast<std::size_t>(skin)];
+  const tinygltf::Skin& source = document.model().skins[at(skin)];
   const std::vector<int>& joints = source.joints;
   PosedSkin posed{bind_matrices(document, accessors, source, pointer), Vec3d(0.0)};
   posed.joint_matrices.resize(joints.size());

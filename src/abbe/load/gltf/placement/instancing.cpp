@@ -12,8 +12,7 @@
 namespace abbe::gltf {
 
 std::vector<Mat4d> instance_places(Document& document, Accessors& accessors, int node) {
-  const Json& json = document.json()["nodes"][static_cast<Json::size_type>(node)];
-  const Json* extension = find_extension(json, "EXT_mesh_gpu_instancing");
+  const Json* extension = find_extension(document, "nodes", node, "EXT_mesh_gpu_instancing");
   if (extension == nullptr) return {Mat4d(1.0)};
   const Json& attributes = (*extension)["attributes"];
   const std::string pointer =

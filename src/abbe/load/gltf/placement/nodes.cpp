@@ -13,10 +13,6 @@
 namespace abbe::gltf {
 namespace {
 
-std::size_t at(int index) {
-  return static_cast<std::size_t>(index);
-}
-
 constexpr int kNone = -1;
 
 // Of a forest.
@@ -30,7 +26,7 @@ std::vector<int> parents_of(const tinygltf::Model& model) {
 
 // What KHR_node_visibility says of a node itself.
 bool shows(const Document& document, int node) {
-  const Json* extension = find_extension(document.json()["nodes"][at(node)], "KHR_node_visibility");
+  const Json* extension = find_extension(document, "nodes", node, "KHR_node_visibility");
   const Json* visible = find(extension, "visible");
   return visible == nullptr || visible->get<bool>();
 }
@@ -39,7 +35,7 @@ Mat4d from_matrix(const std::vector<double>& m, const std::string& where, Notes&
   Mat4d result;
   for (int column = 0; column < 4; ++column) {
     for (int row = 0; row < 4; ++row) {
-      result[column][row] = m[static_cast<std::size_t>(column * 4 + row)];
+      result[column][row] = m[at(column * 4 + row)];
     }
   }
   const Vec4d last_row(m[3], m[7], m[11], m[15]);
@@ -152,6 +148,15 @@ std::vector<int> scene_roots(Document& document, int scene) {
     return is_below;
   });
   return roots;
+}
+
+std::vector<int> parentless_nodes(const Document& document) {
+  const std::vector<int> parents = parents_of(document.model());
+  std::vector<int> nodes;
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    if (parents[i] == kNone) nodes.push_back(static_cast<int>(i));
+  }
+  return nodes;
 }
 
 Places::Places(Document& document, Pose pose)

@@ -28,6 +28,9 @@ void check_graph(const Document& document);
 /// The roots of a scene, each once and none below another; what is not so is a fault.
 std::vector<int> scene_roots(Document& document, int scene);
 
+/// The nodes that are no other's child: of a file without a scene.
+std::vector<int> parentless_nodes(const Document& document);
+
 /// Where the nodes of a file stand in a pose.
 class Places {
  public:

@@ -73,7 +73,7 @@ void apply_image_based_light(Document& document, Accessors& accessors, int scene
                              Scene& scene) {
   constexpr const char* kName = "EXT_lights_image_based";
   const Json& json = document.json();
-  const Json* use = find_extension(json["scenes"][static_cast<std::size_t>(scene_index)], kName);
+  const Json* use = find_extension(document, "scenes", scene_index, kName);
   if (use == nullptr) return;
   if (scene.environment) {
     document.notes().warn(

@@ -17,6 +17,7 @@
 #include "abbe/integrate/integrator.h"
 #include "abbe/integrate/light/shared_light-inl.h"
 #include "abbe/integrate/lit_surface.h"
+#include "abbe/integrate/surface/beam.h"
 #include "abbe/integrate/surface/point_lanes-inl.h"
 #include "abbe/math/random.h"
 
@@ -83,6 +84,8 @@ class Branching {
       Child child{lobe.made_by, lobe.order, fan.spread || lobe.spreads,
                   at.hit.lanes, lobe.media, lobe.direction,
                   arrived[i],   weights[i]};
+      if (lobe.is_bent) child.eta_ti = &answer.eta_ti;
+      child.width_rad = lobe.width_rad;
       if (lobe.is_straight) {
         child.shared = at.fan.shared;
       } else if (lobe.per_sr != nullptr) {
@@ -116,6 +119,9 @@ class Branching {
     SharedRays shared{};  ///< But for what follows, and nothing of a lane.
     const LaneArray* per_sr =
         nullptr;  ///< Of a ray's own, where it begins to share; null: goes on.
+    // For its beam.
+    const LaneArray* eta_ti = nullptr;  ///< By which it is refracted; null: it is not.
+    float width_rad = 0.0f;             ///< Lobe::width_rad.
   };
 
   // Whether the depth limit ends a fan that would have children of some weight.
@@ -195,10 +201,11 @@ class Branching {
       }
       if (middle < 0) continue;
       Splat(d, stride_, child.direction.get(middle), direction);
-      add_child(at,
-                {child.made_by, child.order, false, cluster, child.media, direction, throughput,
-                 weight_of(throughput, set), child.shared, child.per_sr},
-                next);
+      add_child(
+          at,
+          {child.made_by, child.order, false, cluster, child.media, direction, throughput,
+           weight_of(throughput, set), child.shared, child.per_sr, child.eta_ti, child.width_rad},
+          next);
     }
   }
 
@@ -243,8 +250,32 @@ class Branching {
           off_surface(at.hit.position.get(lane), at.hit.outward.get(lane), offset_m, fan.direction);
     }
     if (fan.shared.any()) share_rays(at, child, fan, out + FanList::kSpreadArrays * stride_);
+    if (const Beam* beam = at.list.beam_of(parent)) {
+      next.beams.push_back(beam_after(at, *beam, child, fan.lanes.front()));
+    }
     count(child.made_by, fan.spread ? static_cast<std::uint64_t>(fan.lanes.count()) : 1);
     next.fans.push_back(fan);
+  }
+
+  // The beam of a fan's first ray, behind the surface; other lanes have the same.
+  HWY_NOINLINE Beam beam_after(const FanAtSurface& at, const Beam& beam, const Child& child,
+                               int lane) const {
+    const Beam arrived = moved(beam, at.hit.distance_m[lane]);
+    const bool is_mirrored = child.made_by == FanOrigin::Reflected;
+    const Vec3f departure = child.direction.get(lane);
+    if (!is_mirrored && child.eta_ti == nullptr) {
+      return child.width_rad > 0.0f ? widened(arrived, departure, child.width_rad) : arrived;
+    }
+    BeamTurn turn{at.hit.direction.get(lane), departure, at.hit.outward.get(lane)};
+    turn.normal = at.hit.normal.get(lane);
+    const bool is_of_coat = is_mirrored && child.order > 0;
+    const bool outside = glm::dot(turn.normal, turn.outward) > 0.0f;
+    turn.normal_change = normal_changes(
+        world_, at.hit, lane, on_surface(arrived, turn.arrival, turn.outward), is_of_coat);
+    if (!outside) turn.normal = -turn.normal;
+    const Beam after =
+        is_mirrored ? reflected(arrived, turn) : refracted(arrived, turn, (*child.eta_ti)[lane]);
+    return child.width_rad > 0.0f ? widened(after, departure, child.width_rad) : after;
   }
 
   // How likely the rays of a new fan were drawn, and how far they have come since.

@@ -8,6 +8,7 @@
 #include "abbe/accel/query.h"
 #include "abbe/base/aligned.h"
 #include "abbe/integrate/fan_origin.h"
+#include "abbe/integrate/surface/beam.h"
 #include "abbe/integrate/surface/contact.h"
 #include "abbe/integrate/surface/media.h"
 #include "abbe/math/lane_mask.h"
@@ -63,6 +64,7 @@ struct Fan {
 /// spread ones, then density and way where those share their rays; each lane_stride floats.
 struct FanList {
   std::vector<Fan> fans;
+  std::vector<Beam> beams;  ///< One per fan, where the world has textures: at its origin.
   AlignedVector<float> pool;
 
   static constexpr std::size_t kUnitedArrays = 1;
@@ -71,6 +73,7 @@ struct FanList {
 
   void clear() {
     fans.clear();
+    beams.clear();
     pool.clear();
   }
   /// Makes room for the lanes of the fan to be appended next; returns their offset.
@@ -79,6 +82,10 @@ struct FanList {
     const std::size_t arrays = !spread ? kUnitedArrays : shared ? kSharedArrays : kSpreadArrays;
     pool.resize(offset + arrays * static_cast<std::size_t>(lane_stride));
     return static_cast<std::uint32_t>(offset);
+  }
+  /// The beam of one of its fans; null where none is needed.
+  const Beam* beam_of(const Fan& fan) const {
+    return beams.empty() ? nullptr : &beams[static_cast<std::size_t>(&fan - fans.data())];
   }
   /// The density of a fan's direction in a lane, and the way from the surface that drew it.
   /// Domain: fan.shared.any().
@@ -89,7 +96,8 @@ struct FanList {
     return fan.spread ? shared_of(fan, lane_stride)[lane_stride + lane] : fan.shared.way_m;
   }
   std::size_t bytes() const {
-    return fans.capacity() * sizeof(Fan) + pool.capacity() * sizeof(float);
+    return fans.capacity() * sizeof(Fan) + beams.capacity() * sizeof(Beam) +
+           pool.capacity() * sizeof(float);
   }
 
  private:

@@ -88,6 +88,10 @@ class Tracer {
       list.pool[fan.data + lane] = lane < world_.lanes.lane_count() ? 1.0f : 0.0f;
     }
     b_.camera_media[sample] = fan.media.owner();
+    if (has_beams_) {
+      list.beams.push_back(round_beam(fan.direction, samples_[sample].footprint_m,
+                                      samples_[sample].footprint_per_m));
+    }
     list.fans.push_back(fan);
     ++stats_.camera_rays;
     stats_.weight_started += 1.0;
@@ -197,7 +201,10 @@ class Tracer {
 
     const float path_length_m = fan.path_length_m + hit.distance_m[leader];
     const bool wants_albedo = fan.depth == 0 && !results_.albedo.empty();
-    const float footprint_m = sample.footprint_m + sample.footprint_per_m * path_length_m;
+    const Beam* beam = list.beam_of(fan);
+    const float footprint_m = beam != nullptr ? beam_width_m(moved(*beam, hit.distance_m[leader]),
+                                                             hit.direction.get(leader))
+                                              : 0.0f;
     MaterialLanes at =
         MaterialAt(d, world_, hit, footprint_m, sample.set, !material.unlit || wants_albedo);
     const bool hidden = change.crossing == Crossing::Hidden;
@@ -300,6 +307,7 @@ class Tracer {
                 random_1d(samples_[fan.sample].chance, fan.path, Purpose::Layer),
                 chance_of(fan, Purpose::Microfacet, 1), *sampled);
     }
+    if (has_beams_) fill_width(fan, surface, answer, *sampled);
     if (!shares_light(world_)) return answer;
     answer.rough_samples = light_samples_at(fan, surface).rough;
     answer.is_lit_from_behind = surface.behind != nullptr;
@@ -315,6 +323,24 @@ class Tracer {
     }
     refracted.per_sr = &per_sr[1];
     return answer;
+  }
+
+  // How much of their lobes the rays drawn by chance stand for.
+  HWY_NOINLINE void fill_width(const Fan& fan, const ShadedSurface& surface, SurfaceAnswer& answer,
+                               Lobe& sampled) const {
+    const D d;
+    const int lane = surface.hit.lanes.front();
+    const int i = lane - lane % static_cast<int>(hn::Lanes(d));
+    const std::uint32_t before = samples_[fan.sample].chance.index;
+    LaneArray per_sr;
+    hn::Store(SampledDensity(d, surface, i, Load3(d, sampled.direction, i)), d, per_sr.v + i);
+    sampled.width_rad = lobe_width_rad(per_sr[lane], before);
+    if (!surface.has_rough_lobe || answer.lobe_count < 2) return;
+    Lobe& refracted = answer.lobes[1];
+    if (refracted.made_by != FanOrigin::Refracted) return;
+    hn::Store(ScatteredFromBehind(d, surface, i, Load3(d, refracted.direction, i)).density, d,
+              per_sr.v + i);
+    refracted.width_rad = lobe_width_rad(per_sr[lane], before);
   }
 
   void multiply(const LaneArray& by, LaneArray& values) const {
@@ -497,6 +523,7 @@ class Tracer {
   DirectLight<D> lamps_;
   FogLight<D> fog_;
   const int stride_;
+  const bool has_beams_ = !world_.textures.empty();
 
   FanHits<D> found_;
   Branching<D> branching_;

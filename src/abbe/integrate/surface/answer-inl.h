@@ -313,6 +313,7 @@ HWY_INLINE SurfaceAnswer AnswerOf(D d, int stride, const MediumChange& change,
   refraction.spreads =
       !change.goes_straight() && LanesWith(d, stride, answer.eta_ti.v, eta, hit.lanes) != hit.lanes;
   refraction.is_straight = change.goes_straight() && facets == nullptr;
+  refraction.is_bent = !change.goes_straight();
   return answer;
 }
 

@@ -96,6 +96,8 @@ struct Lobe {
   /// other means may have found it, too. Otherwise it is the only way to what it meets.
   bool is_sampled = false;
   bool is_straight = false;  ///< Its rays go on as they came: shadow rays go there, too.
+  bool is_bent = false;      ///< By a boundary between media, not by a sheet.
+  float width_rad = 0.0f;    ///< Of what a ray drawn by chance stands for, where textures ask.
   MediumStack media;         ///< That its rays are in.
   LaneArray3 direction;      ///< Unit length, away from the surface.
   /// Of a sampled one, that density, where light is sampled; elsewhere null.

@@ -97,6 +97,12 @@ TEST_F(GltfDocument, wrong_types_are_errors_with_a_pointer) {
   }
 }
 
+TEST_F(GltfDocument, members_that_belong_elsewhere_are_ignored) {
+  node()["primitives"] = 5;
+  document["scenes"][0]["primitives"] = {5, "x"};
+  EXPECT_EQ(load().instances.size(), 1u);
+}
+
 TEST_F(GltfDocument, integers_written_with_a_fraction_of_zero_are_integers) {
   document["nodes"][0]["mesh"] = 0.0;
   document["accessors"][0]["count"] = 3.0;

@@ -50,6 +50,26 @@ TEST_F(InspectTest, what_shines_and_the_environment_are_named_beside_the_lamps) 
   EXPECT_EQ(scene.at("environment").at("spectrum"), "RGB, as a metamer under illuminant/D65");
 }
 
+// Its exporter writes lamps as 683 lm per W, and leaves images of the world as they are.
+TEST_F(InspectTest, environment_beside_lamps_of_blender_is_in_watts) {
+  ASSERT_EQ(
+      abbe({"render", "scene.gltf", "--size", "8x4", "--spp", "1", "-o", "sky.exr"}).exit_code, 0);
+  const auto scale_of = [&](const Arguments& more) {
+    Arguments arguments{"inspect", "scene.gltf", "--environment", "sky.exr", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return parsed(arguments).at("environment").at("scale").get<double>();
+  };
+  EXPECT_EQ(scale_of({}), 1.0);
+  json blender = json::parse(small_scene());
+  blender["asset"]["generator"] = "Khronos glTF Blender I/O v4.2.60";
+  write("scene.gltf", blender.dump());
+  EXPECT_EQ(scale_of({}), 683.0);
+  EXPECT_EQ(scale_of({"--environment-scale", "5"}), 5.0);
+  const json turned = parsed({"inspect", "scene.gltf", "--environment", "sky.exr",
+                              "--environment-rotation", "90", "--json"});
+  EXPECT_EQ(turned.at("environment").at("rotation_deg"), 90.0);
+}
+
 TEST_F(InspectTest, formula_beyond_its_range_and_rough_surface_are_noted) {
   const json scene = parsed({"inspect", "scene.gltf", "--json"});
   const std::string notes = scene.at("notes").dump();

@@ -50,6 +50,12 @@ std::optional<int> chosen_scene(const Document& document, const LoadOptions& opt
   return 0;
 }
 
+std::string generator_of(const Document& document) {
+  const Json* asset = find(&document.json(), "asset");
+  const Json* generator = find(asset, "generator");
+  return generator != nullptr && generator->is_string() ? generator->get<std::string>() : "";
+}
+
 }  // namespace
 }  // namespace gltf
 
@@ -65,6 +71,7 @@ Scene read_scene(const std::filesystem::path& file, const Catalogue& catalogue,
   gltf::check_animations(document);
 
   Scene scene;
+  scene.generator = gltf::generator_of(document);
   gltf::Accessors accessors(document);
   gltf::Spectra spectra(document, catalogue);
   gltf::Textures textures(document, accessors, options.texture_memory, scene);

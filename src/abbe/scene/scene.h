@@ -384,6 +384,7 @@ struct Animation {
 ///         a rig (rigs.h).
 struct Scene {
   std::string name;
+  std::string generator;  ///< The program that wrote the file; empty: it does not say.
   RgbSpace color_space = RgbSpace::Rec709;  ///< Of colour textures; all else is linear Rec.709.
   std::vector<TextureImage> images;
   std::vector<Texture> textures;

@@ -66,10 +66,47 @@ bool has_camera(const Scene& scene, const std::string& name) {
                      [&name](const Camera& camera) { return camera.name == name; });
 }
 
+// Blender's exporter writes lamps of 1 W/m² and 1 W/sr as 683 lx and 683 cd: 1 in its images of the
+// world is 1 W/(m²·sr).
+constexpr double kLumensPerWattOfBlender = 683.0;
+
+double environment_scale_of(const SceneChoice& choice, const Scene& scene, Notes& notes) {
+  if (choice.environment_scale) return *choice.environment_scale;
+  const bool is_of_blender = scene.generator.find("Blender") != std::string::npos;
+  if (!is_of_blender || scene.lights.empty()) return 1.0;
+  notes.info(
+      "", fmt::format("lamps of Blender: 1 in {} is {:g} cd/m2 (--environment-scale)",
+                      in_quotes(choice.environment.filename().string()), kLumensPerWattOfBlender));
+  return kLumensPerWattOfBlender;
+}
+
+void check_environment(const SceneChoice& choice) {
+  const auto& scale = choice.environment_scale;
+  if (scale && !(*scale >= 0.0 && std::isfinite(*scale))) {
+    throw_usage_error("environment_scale", fmt::format("{:g}", *scale), "a number of at least 0");
+  }
+  if (!std::isfinite(choice.environment_rotation_deg)) {
+    throw_usage_error("environment_rotation_deg",
+                      fmt::format("{:g}", choice.environment_rotation_deg), "degrees");
+  }
+  if (!choice.environment.empty()) return;
+  if (scale) {
+    throw_usage_error("environment_scale", fmt::format("{:g}", *scale), "an `environment` with it");
+  }
+  if (choice.environment_rotation_deg != 0.0) {
+    throw_usage_error("environment_rotation_deg",
+                      fmt::format("{:g}", choice.environment_rotation_deg),
+                      "an `environment` with it");
+  }
+}
+
 // The user's own file, which may lie anywhere.
-std::shared_ptr<const Environment> environment_of(const std::filesystem::path& file, Notes& notes,
-                                                  std::string& id) {
+std::shared_ptr<const Environment> environment_of(const SceneChoice& choice, double scale,
+                                                  Notes& notes, std::string& id) {
+  const std::filesystem::path& file = choice.environment;
   auto environment = std::make_shared<Environment>();
+  environment->scale = scale;
+  environment->rotation_deg = choice.environment_rotation_deg;
   environment->name = file.filename().string();
   environment->image = read_environment_image(file, file.string(), notes);
   constexpr std::uint64_t kLargestFile = std::uint64_t{4} << 30;
@@ -103,6 +140,7 @@ Camera camera_at_rest(const SceneChoice& choice, const Catalogue& catalogue,
 void light_scene(const SceneChoice& choice, const Catalogue& catalogue, PreparedScene& prepared,
                  Notes& notes) {
   Scene& scene = prepared.scene;
+  check_environment(choice);
   if (!choice.environment.empty()) {
     if (choice.rig == Rig::Studio || choice.rig == Rig::Surround) {
       throw_usage_error("rig", rig_name(choice.rig) + " beside an `environment`", "one of the two");
@@ -111,7 +149,10 @@ void light_scene(const SceneChoice& choice, const Catalogue& catalogue, Prepared
       notes.info("", in_quotes(choice.environment.filename().string()) +
                          " takes the place of the file's environment");
     }
-    scene.environment = environment_of(choice.environment, notes, prepared.environment_id);
+    prepared.environment_scale = environment_scale_of(choice, scene, notes);
+    prepared.environment_rotation_deg = choice.environment_rotation_deg;
+    scene.environment =
+        environment_of(choice, prepared.environment_scale, notes, prepared.environment_id);
   }
   const NamedSpectrum d65{"illuminant/D65", catalogue.illuminant("illuminant/D65")};
   prepared.has_no_rig = choice.rig == Rig::None;

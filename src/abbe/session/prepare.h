@@ -31,6 +31,10 @@ struct SceneChoice {
   std::string lamp = {};  ///< Spectrum of the catalogue for all lamps; empty: the scene's own.
   /// An image of light from all around, instead of what the file has; empty: the file's own.
   std::filesystem::path environment = {};
+  /// What its values are multiplied by; absent: 1, or what makes them those of the file's lamps
+  /// (see prepare_scene()).
+  std::optional<double> environment_scale = {};
+  double environment_rotation_deg = 0.0;  ///< As Environment::rotation_deg.
   Rig rig = Rig::Auto;
   LightsOthers emissive_light = LightsOthers::Auto;  ///< Of all that emits; Auto: as the file says.
 };
@@ -51,6 +55,8 @@ struct PreparedScene {
   bool has_no_rig = false;  ///< By choice.
   /// `image:HASH` of the file that SceneChoice::environment named; empty without one.
   std::string environment_id;
+  /// Of that file: what its values were multiplied by and how it was turned.
+  double environment_scale = 1.0, environment_rotation_deg = 0.0;
   LightsOthers emissive_light = LightsOthers::Auto;  ///< As chosen.
   std::optional<double> time_s = {};                 ///< As chosen.
   std::string variant = {};                          ///< As chosen.

@@ -204,6 +204,10 @@ std::optional<Recipe> recipe_of(const ExrHeader& header) {
     recipe.scene.animation = read.text("animation");
     recipe.scene.variant = read.text("variant");
     recipe.scene.environment = read.text("environment");
+    if (!recipe.scene.environment.empty()) {
+      read.get("environmentScale", recipe.scene.environment_scale.emplace(1.0));
+      read.get("environmentRotation", recipe.scene.environment_rotation_deg);
+    }
     if (attributes.contains("abbe:rig")) recipe.scene.rig = rig_from_name(read.text("rig"));
     if (attributes.contains("abbe:emissiveLight")) {
       recipe.scene.emissive_light = emissive_light_from_name(read.text("emissiveLight"));
@@ -251,7 +255,15 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
   if (!prepared.animation.empty()) out["abbe:animation"] = prepared.animation;
   if (prepared.rig.rig != Rig::None) out["abbe:rig"] = rig_name(prepared.rig.rig);
   if (prepared.has_no_rig) out["abbe:rig"] = rig_name(Rig::None);
-  if (!prepared.environment_id.empty()) out["abbe:environment"] = prepared.environment_id;
+  if (!prepared.environment_id.empty()) {
+    out["abbe:environment"] = prepared.environment_id;
+    if (prepared.environment_scale != 1.0) {
+      out["abbe:environmentScale"] = prepared.environment_scale;
+    }
+    if (prepared.environment_rotation_deg != 0.0) {
+      out["abbe:environmentRotation"] = prepared.environment_rotation_deg;
+    }
+  }
   if (prepared.emissive_light != LightsOthers::Auto) {
     out["abbe:emissiveLight"] = emissive_light_name(prepared.emissive_light);
   }

@@ -13,7 +13,7 @@ struct Field {
   std::string_view name, option;
 };
 
-constexpr std::array<Field, 40> kFields{{{"accelerator", "--accel"},
+constexpr std::array<Field, 42> kFields{{{"accelerator", "--accel"},
                                          {"adaptation", "--adaptation"},
                                          {"animation", "--animation"},
                                          {"aovs", "--aov"},
@@ -29,6 +29,8 @@ constexpr std::array<Field, 40> kFields{{{"accelerator", "--accel"},
                                          {"emissive_light", "--emissive-light"},
                                          {"entries", "NAME"},
                                          {"environment", "--environment"},
+                                         {"environment_rotation_deg", "--environment-rotation"},
+                                         {"environment_scale", "--environment-scale"},
                                          {"fail", "--fail"},
                                          {"filter", "--filter"},
                                          {"frozen", "--freeze"},

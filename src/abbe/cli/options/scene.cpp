@@ -110,6 +110,11 @@ void add_light_options(CLI::App& command, SceneChoice& choice, std::string& rig,
   add_shown(command, "--environment", choice.environment, "FILE",
             "light from all around, as an equirectangular image, .exr or .hdr, of RGB or spectral "
             "(default: the scene's own)");
+  add_number(command, "--environment-scale", choice.environment_scale, "X",
+             "what multiplies its values, which are cd/m2 then (default: 1; beside lamps of "
+             "Blender 683)");
+  add_number(command, "--environment-rotation", choice.environment_rotation_deg, "DEG",
+             "how far it is turned about the vertical, counterclockwise from above (default: 0)");
   add_shown(command, "--rig", rig, "NAME",
             fmt::format("light that the file has not: {} (default: auto: a studio without lamps, "
                         "a faint surround beside lamps alone)",

@@ -97,6 +97,12 @@ std::string render_command(const Recipe& recipe) {
   command.add_given("--lamp", recipe.scene.lamp);
   const std::string environment = recipe.scene.environment.string();
   command.add_given("--environment", environment.starts_with("image:") ? "IMAGE" : environment);
+  if (!environment.empty()) {
+    command.add("--environment-scale", recipe.scene.environment_scale.value_or(1.0));
+    if (recipe.scene.environment_rotation_deg != 0.0) {
+      command.add("--environment-rotation", recipe.scene.environment_rotation_deg);
+    }
+  }
   if (recipe.scene.rig != Rig::Auto) command.add("--rig", rig_name(recipe.scene.rig));
   if (recipe.scene.emissive_light != LightsOthers::Auto) {
     command.add("--emissive-light", emissive_light_name(recipe.scene.emissive_light));

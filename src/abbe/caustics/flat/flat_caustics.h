@@ -28,6 +28,7 @@ struct BodyLight {
   double started = 0.0;
   double faint = 0.0;     ///< On paths that carry too little.
   double too_long = 0.0;  ///< On paths with too many reflections or facets.
+  double no_room = 0.0;   ///< On paths that do not fit into the tables of parallel light.
 };
 
 /// What was found and what was left out.
@@ -35,6 +36,7 @@ struct CausticReport {
   std::size_t bodies = 0, facets = 0, chains = 0;
   double share_cut = 0.0;              ///< Share of the light on facets that is left out.
   double share_too_long = 0.0;         ///< The part of it on paths with too many reflections.
+  double share_no_room = 0.0;          ///< The part for which the tables have no room.
   std::vector<BodyLight> by_body;      ///< Shares, in the order of FlatBodies::bodies.
   std::vector<std::string> fallbacks;  ///< As in FlatBodies.
 };

@@ -72,9 +72,10 @@ nlohmann::json stats_json(const LitWorld& world, const Film& film, const RenderR
   for (std::size_t b = 0; b < caustics.by_body.size(); ++b) {
     const BodyLight& light = caustics.by_body[b];
     by_body.push_back({{"name", world.caustics.flat.bodies[b].name},
-                       {"on_chains", light.started - light.faint - light.too_long},
+                       {"on_chains", light.started - light.faint - light.too_long - light.no_room},
                        {"left_out_faint", light.faint},
-                       {"left_out_too_long", light.too_long}});
+                       {"left_out_too_long", light.too_long},
+                       {"left_out_no_room", light.no_room}});
   }
   json["caustics"] = {{"bodies", caustics.bodies}, {"facets", caustics.facets},
                       {"chains", caustics.chains}, {"share_cut", caustics.share_cut},

@@ -17,6 +17,7 @@ struct FoundChains {
   PointChains point;
   double share_cut = 0.0;
   double share_too_long = 0.0;
+  double share_no_room = 0.0;
   std::vector<BodyLight> by_body;
 };
 
@@ -39,13 +40,16 @@ FoundChains find_chains(const Scene& scene, const ChainSearch& search) {
       found.by_body[b].started += yield.by_body[b].started * light.intensity;
       found.by_body[b].faint += yield.by_body[b].faint * light.intensity;
       found.by_body[b].too_long += yield.by_body[b].too_long * light.intensity;
+      found.by_body[b].no_room += yield.by_body[b].no_room * light.intensity;
     }
   }
   if (!(started > 0.0)) return found;
   found.share_cut = cut / started;
   for (BodyLight& body : found.by_body) {
-    body = {body.started / started, body.faint / started, body.too_long / started};
+    body = {body.started / started, body.faint / started, body.too_long / started,
+            body.no_room / started};
     found.share_too_long += body.too_long;
+    found.share_no_room += body.no_room;
   }
   return found;
 }
@@ -54,12 +58,18 @@ FoundChains find_chains(const Scene& scene, const ChainSearch& search) {
 void tell(const FoundChains& found, const CausticOptions& options, Notes& notes) {
   constexpr double kWorthAWord = 0.02;
   if (!(found.share_cut > kWorthAWord)) return;
-  notes.warn(
-      "", fmt::format("{:.1f} % of the light of lamps on flat glass and mirrors is left out: "
-                      "{:.1f} % takes paths with more than {} reflections (--chain takes "
-                      "more), {:.1f} % faint ones (a smaller --cutoff takes more)",
-                      100.0 * found.share_cut, 100.0 * found.share_too_long,
-                      options.inner_reflections, 100.0 * (found.share_cut - found.share_too_long)));
+  const double faint = found.share_cut - found.share_too_long - found.share_no_room;
+  std::string text = fmt::format(
+      "{:.1f} % of the light of lamps on flat glass and mirrors is left out: {:.1f} % takes paths "
+      "with more than {} reflections (--chain takes more), {:.1f} % faint ones (a smaller --cutoff "
+      "takes more)",
+      100.0 * found.share_cut, 100.0 * found.share_too_long, options.inner_reflections,
+      100.0 * faint);
+  if (found.share_no_room > 0.0) {
+    text += fmt::format(", {:.1f} % the faintest of too many paths of parallel light",
+                        100.0 * found.share_no_room);
+  }
+  notes.warn("", text);
 }
 
 std::vector<Vec2d> index_ranges(const TabulatedScene& tables) {
@@ -104,6 +114,7 @@ FlatCaustics find_flat_caustics(const Scene& scene, const TabulatedScene& tables
                    .chains = found.parallel.chains.size() + found.point.chains.size(),
                    .share_cut = found.share_cut,
                    .share_too_long = found.share_too_long,
+                   .share_no_room = found.share_no_room,
                    .by_body = found.by_body,
                    .fallbacks = flat.fallbacks};
   if (flat.bodies.empty()) return result;

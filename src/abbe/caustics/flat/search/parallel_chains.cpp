@@ -13,6 +13,8 @@ namespace {
 
 // What the tables of a scene's chains may take: 256 MiB.
 constexpr std::size_t kMaxChainFloats = std::size_t{1} << 26;
+// Sides of what a chain lights, as a guess before they are known.
+constexpr std::size_t kUsualSides = 8;
 
 class Builder {
  public:
@@ -26,10 +28,11 @@ class Builder {
         number_(number),
         direction_(direction_of(light)),
         chains_(chains),
-        waves_(search.waves()) {}
+        waves_(search.waves()),
+        no_room_(search.flat.bodies.size(), 0.0) {}
 
-  // Returns the light on paths for which there was no room.
-  double run() {
+  // Returns by the body that it falls on first the light on paths for which there was no room.
+  std::vector<double> run() {
     const auto disperses = [&](const FlatBody& body) {
       return !body.is_mirror && search_.ranges[body.material].disperses();
     };
@@ -37,10 +40,12 @@ class Builder {
         std::none_of(search_.flat.bodies.begin(), search_.flat.bodies.end(), disperses);
     BundleSet lamp;
     lamp.bundles.resize(is_one ? 1 : waves_);
+    choose(is_one);
     for (Bundle& bundle : lamp.bundles) bundle.direction = direction_;
     lamp.weights.resize(waves_, 1.0);
     const std::vector<HalfSpace> beam = beam_bounds(light_);
     for (const std::uint32_t child : tree_.nodes[0].children) {
+      if (!is_wanted_[child]) continue;
       std::vector<Vec3d> polygon = facets_[tree_.nodes[child].place].corners;
       for (const HalfSpace& bound : beam) {
         polygon = clipped(polygon, bound.normal, bound.distance);
@@ -48,10 +53,48 @@ class Builder {
       for (Bundle& bundle : lamp.bundles) bundle.polygon = polygon;
       arrive(lamp, child);
     }
-    return cut_;
+    return no_room_;
   }
 
  private:
+  // Leaves out the paths with least light where there is no room for all.
+  void choose(bool is_one) {
+    has_room_.assign(tree_.nodes.size(), false);
+    std::vector<std::size_t> depths(tree_.nodes.size(), 0);
+    std::vector<std::uint32_t> lit;
+    first_.assign(tree_.nodes.size(), 0);
+    // Children come after their parents.
+    for (std::uint32_t number = 0; number < tree_.nodes.size(); ++number) {
+      const PathNode& node = tree_.nodes[number];
+      for (const std::uint32_t child : node.children) {
+        depths[child] = depths[number] + 1;
+        first_[child] = number == 0 ? child : first_[number];
+      }
+      if (number > 0 && search_.lights_places(node.region)) lit.push_back(number);
+    }
+    std::stable_sort(lit.begin(), lit.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return tree_.nodes[a].flux > tree_.nodes[b].flux;
+    });
+    std::size_t floats = chains_.rows.size();
+    for (const std::uint32_t number : lit) {
+      const std::size_t arrays = 3 * depths[number] + 4 * kUsualSides;
+      floats +=
+          chains_.lane_stride * (chains_.set_count + (is_one ? 1 : chains_.set_count) * arrays);
+      has_room_[number] = floats <= kMaxChainFloats;
+      if (!has_room_[number]) leave_out(number);
+    }
+    is_wanted_ = has_room_;
+    for (std::size_t number = tree_.nodes.size(); number-- > 1;) {
+      for (const std::uint32_t child : tree_.nodes[number].children) {
+        if (is_wanted_[child]) is_wanted_[number] = true;
+      }
+    }
+  }
+
+  void leave_out(std::uint32_t number) {
+    no_room_[facets_[tree_.nodes[first_[number]].place].body] += tree_.nodes[number].flux;
+  }
+
   // Light meets the facet of a node: `front` has its polygons there, directions still before it.
   void arrive(BundleSet front, std::uint32_t number) {
     const PathNode& node = tree_.nodes[number];
@@ -74,8 +117,9 @@ class Builder {
     }
     front.bound();
     if (front.is_alive()) {
-      if (search_.lights_places(node.region)) emit(front, node);
+      if (has_room_[number]) emit(front, number);
       for (const std::uint32_t child : node.children) {
+        if (!is_wanted_[child]) continue;
         BundleSet arrived = front;
         const bool inside = comes_from_inside(tree_.nodes[child].event);
         for (Bundle& bundle : arrived.bundles) {
@@ -131,7 +175,7 @@ class Builder {
   }
 
   // Adds the chain of steps_.
-  void emit(const BundleSet& front, const PathNode& node) {
+  void emit(const BundleSet& front, std::uint32_t number) {
     double largest = 0.0;
     std::size_t sides = 0;
     for (std::size_t w = 0; w < waves_; ++w) {
@@ -162,11 +206,11 @@ class Builder {
         std::any_of(steps_.begin(), steps_.end(), [](const ChainStep& s) { return s.refracts(); });
     const std::size_t floats = chain.array_count(chains_.set_count) * chains_.lane_stride;
     if (chain.rows + floats > kMaxChainFloats) {
-      cut_ += node.flux;
+      leave_out(number);
       return;
     }
     chains_.rows.resize(chain.rows + floats, 0.0f);
-    tabulate(front, node.lanes, chain);
+    tabulate(front, tree_.nodes[number].lanes, chain);
     chains_.chains.push_back(std::move(chain));
   }
 
@@ -253,7 +297,10 @@ class Builder {
   ParallelChains& chains_;
   const std::size_t waves_;
   std::vector<ChainStep> steps_;
-  double cut_ = 0.0;
+  std::vector<bool> has_room_;        ///< Per node.
+  std::vector<bool> is_wanted_;       ///< Of those and what leads to them.
+  std::vector<std::uint32_t> first_;  ///< The first step of each.
+  std::vector<double> no_room_;       ///< Per body.
 };
 
 }  // namespace
@@ -261,8 +308,14 @@ class Builder {
 ChainYield add_parallel_chains(const ChainSearch& search, const Light& light, std::uint32_t number,
                                ParallelChains& chains) {
   const PathTree tree = find_paths(search, light);
-  const double left_out = Builder(search, tree, light, number, chains).run();
-  return {tree.started, tree.cut + left_out, tree.by_body};
+  ChainYield yield{tree.started, tree.cut, tree.by_body};
+  if (tree.nodes.empty()) return yield;
+  const std::vector<double> no_room = Builder(search, tree, light, number, chains).run();
+  for (std::size_t b = 0; b < yield.by_body.size(); ++b) {
+    yield.by_body[b].no_room = no_room[b];
+    yield.cut += no_room[b];
+  }
+  return yield;
 }
 
 }  // namespace abbe

@@ -23,6 +23,9 @@ constexpr double kWide_rad = 0.1;
 // How often a face may be halved for the first reason, and for the second.
 constexpr int kMaxCuts = 10;
 constexpr int kMaxFurtherCuts = 4;
+// No more of that once cones have arrived at faces so often in all, about a second: they bound less
+// closely then, and rendering asks for more paths.
+constexpr std::size_t kMostArrivals = 1000000;
 // Of many faces, so many cones are sent at first in all.
 constexpr double kFirstCones = 16000.0;
 // Where glass disperses, wavelengths are followed in so many parts: a cone widens in all
@@ -147,7 +150,7 @@ class Searcher {
         for (const std::uint32_t node : start.nodes) arrive(from_lamp, cone, node);
       }
       again = widest_rad_ > kStillNarrow_rad && cuts < max_cuts_ + kMaxFurtherCuts &&
-              cone.radius_m > 0.02 * body_radius_m_;
+              arrivals_ < kMostArrivals && cone.radius_m > 0.02 * body_radius_m_;
     }
     if (again) {
       const auto [a, b] = halves(polygon);
@@ -163,6 +166,7 @@ class Searcher {
   // been reflected since it was refracted last; `spot` is the same light with its ball where it
   // meets the face.
   void arrive(const BeamCone& beam, const BeamCone& spot, std::uint32_t number) {
+    ++arrivals_;
     const PathNode& node = tree_.nodes[number];
     const Facet& plane = plane_of(node.place);
     const FacetMedia media = search_.media_of(plane);
@@ -254,6 +258,7 @@ class Searcher {
 
   double body_radius_m_ = 0.0;
   double widest_rad_ = 0.0;
+  std::size_t arrivals_ = 0;
   std::vector<FaceEvent> path_;
   std::vector<Vec3d> axes_;
   std::vector<ConeOnPath> pending_;

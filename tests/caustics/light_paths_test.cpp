@@ -192,6 +192,36 @@ TEST(LightPaths, light_over_a_lamp_in_the_middle_is_the_same_on_all_sides) {
   }
 }
 
+// A sun through panes of glass that disperses, whose wavelengths have tables of their own.
+TEST(LightPaths, without_room_for_all_paths_of_a_sun_the_faintest_are_left_out) {
+  Scene scene;
+  const std::uint32_t material = test::add(scene, test::glass("glass/schott/N-BK7"));
+  for (const double y : {0.0, 0.3}) {
+    test::add_box_mesh(scene, material, {0.5, 0.05, 0.5}, test::translation({0, y, 0}));
+  }
+  scene.lights.push_back(test::directional_light({0.3, -1, 0.2}, 1.0));
+  const auto report = [&](std::size_t table_floats, Notes& notes) {
+    const RenderSettings settings = test::small_settings();
+    CausticOptions options = caustic_options(settings);
+    options.table_floats = table_floats;
+    return make_lit_world(scene, world_options(settings), options, test::catalogue().observer(),
+                          test::catalogue().illuminant("illuminant/D65"), notes)
+        .caustics.report;
+  };
+  Notes none, notes;
+  const CausticReport all = report(CausticOptions{}.table_floats, none);
+  EXPECT_EQ(all.share_no_room, 0.0);
+  // Room for about a quarter of them: each further pair of reflections takes less than a tenth of
+  // what the last has left.
+  const CausticReport few = report(CausticOptions{}.table_floats >> 3, notes);
+  EXPECT_GT(few.chains, 0u);
+  EXPECT_LT(few.chains, all.chains / 3);
+  EXPECT_GT(few.share_no_room, 0.0);
+  EXPECT_LT(few.share_no_room, 0.05);
+  EXPECT_NEAR(few.share_cut - all.share_cut, few.share_no_room, 1e-9);
+  EXPECT_NEAR(few.by_body[0].no_room + few.by_body[1].no_room, few.share_no_room, 1e-9);
+}
+
 TEST(LightPaths, what_chains_leave_out_is_told_by_body_and_reason) {
   // A lamp in the middle of a cube of index 1.5. What is farther than the critical angle from all
   // normals never gets out, and does not count. Of the rest each face lets out a cone, but for what

@@ -20,6 +20,9 @@ struct CausticOptions {
   bool exact = true;           ///< Otherwise straight shadow rays everywhere.
   int inner_reflections = 16;  ///< Most of them on one chain.
   double cutoff = 1e-4;        ///< Chains whose weight stays below this are cut.
+  /// What the tables of all chains of parallel light may hold, floats: 256 MiB. Of chains for which
+  /// there is no room those with least light are left out.
+  std::size_t table_floats = std::size_t{1} << 26;
 };
 
 /// Light of lamps that falls first on a body, and what of it chains leave out that would have lit

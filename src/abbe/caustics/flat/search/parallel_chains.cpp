@@ -11,8 +11,6 @@
 namespace abbe {
 namespace {
 
-// What the tables of a scene's chains may take: 256 MiB.
-constexpr std::size_t kMaxChainFloats = std::size_t{1} << 26;
 // Sides of what a chain lights, as a guess before they are known.
 constexpr std::size_t kUsualSides = 8;
 
@@ -80,7 +78,7 @@ class Builder {
       const std::size_t arrays = 3 * depths[number] + 4 * kUsualSides;
       floats +=
           chains_.lane_stride * (chains_.set_count + (is_one ? 1 : chains_.set_count) * arrays);
-      has_room_[number] = floats <= kMaxChainFloats;
+      has_room_[number] = floats <= search_.options.table_floats;
       if (!has_room_[number]) leave_out(number);
     }
     is_wanted_ = has_room_;
@@ -205,7 +203,7 @@ class Builder {
         !front.is_one() &&
         std::any_of(steps_.begin(), steps_.end(), [](const ChainStep& s) { return s.refracts(); });
     const std::size_t floats = chain.array_count(chains_.set_count) * chains_.lane_stride;
-    if (chain.rows + floats > kMaxChainFloats) {
+    if (chain.rows + floats > search_.options.table_floats) {
       leave_out(number);
       return;
     }

@@ -112,7 +112,7 @@ std::vector<Facet> facets_of(const ConvexShape& shape, const Mat4d& to_world) {
     const double length = glm::length(normal);
     if (!(length > 0.0)) continue;
     const Vec3d unit = normal / length;
-    planes.push_back(Vec4d(unit, (source.w + glm::dot(normal, Vec3d(to_world[3]))) / length));
+    planes.emplace_back(unit, (source.w + glm::dot(normal, Vec3d(to_world[3]))) / length);
   }
   double reach = 1.0;
   for (const Vec4d& plane : planes) reach = std::max(reach, std::abs(plane.w));

@@ -67,7 +67,7 @@ class LightCells {
 
   Node cell_node(const std::vector<float>& light, Cell cell) const;
   void divide(const std::vector<float>& light);
-  void number_cells(std::uint32_t node, std::vector<Cell>& cells);
+  void number_cells(std::uint32_t number, std::vector<Cell>& cells);
   void bound(std::size_t number, const Cell& cell);
   void tabulate(Cell& cell, std::vector<float>& light);
   Vec3f direction_at(float column, float v) const;

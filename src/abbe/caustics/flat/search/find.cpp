@@ -28,11 +28,14 @@ FoundChains find_chains(const Scene& scene, const ChainSearch& search) {
   found.by_body.resize(search.flat.bodies.size());
   double started = 0.0;
   double cut = 0.0;
+  auto lights_left = static_cast<std::size_t>(
+      std::count_if(scene.lights.begin(), scene.lights.end(), is_parallel));
   for (std::uint32_t number = 0; number < scene.lights.size(); ++number) {
     const Light& light = scene.lights[number];
-    const ChainYield yield = is_parallel(light)
-                                 ? add_parallel_chains(search, light, number, found.parallel)
-                                 : add_point_chains(search, light, number, found.point);
+    const ChainYield yield =
+        is_parallel(light)
+            ? add_parallel_chains(search, light, number, lights_left--, found.parallel)
+            : add_point_chains(search, light, number, found.point);
     // Lux on square metres and candela in steradians are both lumens.
     started += yield.started * light.intensity;
     cut += yield.cut * light.intensity;

@@ -17,13 +17,14 @@ constexpr std::size_t kUsualSides = 8;
 class Builder {
  public:
   Builder(const ChainSearch& search, const PathTree& tree, const Light& light, std::uint32_t number,
-          ParallelChains& chains)
+          std::size_t lights_left, ParallelChains& chains)
       : search_(search),
         tables_(search.tables),
         facets_(search.flat.facets),
         tree_(tree),
         light_(light),
         number_(number),
+        lights_left_(lights_left),
         direction_(direction_of(light)),
         chains_(chains),
         waves_(search.waves()),
@@ -55,7 +56,8 @@ class Builder {
   }
 
  private:
-  // Leaves out the paths with least light where there is no room for all.
+  // Leaves out the paths with least light where there is no room for all. What lights before this
+  // one have left is for it and those after it alike.
   void choose(bool is_one) {
     has_room_.assign(tree_.nodes.size(), false);
     std::vector<std::size_t> depths(tree_.nodes.size(), 0);
@@ -74,11 +76,14 @@ class Builder {
       return tree_.nodes[a].flux > tree_.nodes[b].flux;
     });
     std::size_t floats = chains_.rows.size();
+    const std::size_t left =
+        search_.options.table_floats - std::min(floats, search_.options.table_floats);
+    const std::size_t most = floats + left / lights_left_;
     for (const std::uint32_t number : lit) {
       const std::size_t arrays = 3 * depths[number] + 4 * kUsualSides;
       floats +=
           chains_.lane_stride * (chains_.set_count + (is_one ? 1 : chains_.set_count) * arrays);
-      has_room_[number] = floats <= search_.options.table_floats;
+      has_room_[number] = floats <= most;
       if (!has_room_[number]) leave_out(number);
     }
     is_wanted_ = has_room_;
@@ -291,6 +296,7 @@ class Builder {
   const PathTree& tree_;
   const Light& light_;
   const std::uint32_t number_;
+  const std::size_t lights_left_;
   const Vec3d direction_;
   ParallelChains& chains_;
   const std::size_t waves_;
@@ -304,11 +310,12 @@ class Builder {
 }  // namespace
 
 ChainYield add_parallel_chains(const ChainSearch& search, const Light& light, std::uint32_t number,
-                               ParallelChains& chains) {
+                               std::size_t lights_left, ParallelChains& chains) {
   const PathTree tree = find_paths(search, light);
   ChainYield yield{tree.started, tree.cut, tree.by_body};
   if (tree.nodes.empty()) return yield;
-  const std::vector<double> no_room = Builder(search, tree, light, number, chains).run();
+  const std::vector<double> no_room =
+      Builder(search, tree, light, number, lights_left, chains).run();
   for (std::size_t b = 0; b < yield.by_body.size(); ++b) {
     yield.by_body[b].no_room = no_room[b];
     yield.cut += no_room[b];

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "abbe/base/constants.h"
 #include "abbe/image/exr/exr.h"
@@ -141,6 +142,81 @@ TEST(ParallelChain, mirror_lights_the_floor_with_its_reflectance) {
       fresnel_conductor(std::cos(glm::radians(45.0)), silver.conductor->n.value(kLine_d_nm),
                         silver.conductor->k.value(kLine_d_nm));
   EXPECT_NEAR(lit / radiance(straight, settings, kLine_d_nm), expected, 2e-5);  // Single precision.
+}
+
+// Whether a ray from a place meets a square.
+bool meets(const Vec3d& place, const Vec3d& direction, const Mat4d& square, double half_m) {
+  const Mat4d inverse = glm::inverse(square);
+  const Vec3d from(inverse * Vec4d(place, 1.0)), way(inverse * Vec4d(direction, 0.0));
+  const Vec3d met = from - from.z / way.z * way;
+  return std::abs(met.x) <= half_m && std::abs(met.y) <= half_m;
+}
+
+TEST(ParallelChain, pixel_with_an_edge_of_light_and_one_of_shadow_gets_what_both_leave) {
+  constexpr double kHalfView_m = 0.01, kMirror_m = 0.2, kCard_m = 0.1;
+  constexpr int kPixels = 8, kCells = 24;
+  const Vec3d up(0, 1, 0), seen_along = glm::normalize(Vec3d(0.9, -0.3, 0.0));
+  const Mat4d leaning = test::rotation({0, 0, 1}, 45.0) * test::rotation({0, 1, 0}, -90.0);
+  const auto mirror_scene = [&](const Mat4d& mirror) {
+    Scene scene = floor_scene({1, 0, 0}, {0.0, 0.0, 0.0});
+    test::add_square(scene, test::add(scene, test::mirror("metal/Ag-Johnson")), kMirror_m, mirror);
+    return scene;
+  };
+  RenderSettings settings = line_settings();
+  settings.samples_per_pixel = 256;
+  const float lit = radiance(mirror_scene(test::translation(up) * leaning), settings, kLine_d_nm);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  int pixels = 0;
+  double sum = 0.0, expected_sum = 0.0;
+  for (int number = 0; number < 32; ++number) {
+    SCOPED_TRACE(number);
+    // Edges of the mirror's light and of the card's shadow cross near the middle, at any angle.
+    const Mat4d mirror = test::translation({0.004 * any(random), 1, 0}) * leaning *
+                         test::rotation({0, 0, 1}, 180.0 * any(random)) *
+                         test::translation({kMirror_m, 0, 0});
+    const double height_m = number % 2 == 0 ? 0.4 : 0.004;
+    const Mat4d card = test::translation({0.004 * any(random), height_m, 0}) *
+                       test::rotation(up, 180.0 * any(random)) *
+                       test::translation({kCard_m, 0, 0}) * test::rotation({1, 0, 0}, -90.0);
+    Scene scene = mirror_scene(mirror);
+    scene.cameras.front() =
+        test::orthographic_camera(-3.0 * seen_along, {0, 0, 0}, kHalfView_m, kHalfView_m);
+    Material paper = test::matte(Vec3f(0.0f));
+    paper.double_sided = true;
+    test::add_square(scene, test::add(scene, paper), kCard_m, card);
+    const Image image = test::render(scene, settings).image;
+    for (int y = 0; y < kPixels; ++y) {
+      for (int x = 0; x < kPixels; ++x) {
+        int light = 0, shadow = 0, left = 0, hidden = 0;
+        for (int cell = 0; cell < kCells * kCells; ++cell) {
+          const double column = x + (cell % kCells + 0.5) / kCells;
+          const double row = y + (cell / kCells + 0.5) / kCells;
+          const Vec3d eye(scene.cameras.front().to_world *
+                          Vec4d(kHalfView_m * (2.0 * column / kPixels - 1.0),
+                                kHalfView_m * (1.0 - 2.0 * row / kPixels), 0, 1));
+          const Vec3d place = eye - eye.y / seen_along.y * seen_along;
+          const bool is_lit = meets(place, up, mirror, kMirror_m);
+          const bool is_shaded = meets(place, up, card, kCard_m);
+          light += is_lit ? 1 : 0;
+          shadow += is_shaded ? 1 : 0;
+          left += is_lit && !is_shaded ? 1 : 0;
+          hidden += meets(place, seen_along, card, kCard_m) ? 1 : 0;
+        }
+        constexpr int kAll = kCells * kCells;
+        if (light == 0 || light == kAll || shadow == 0 || shadow == kAll || hidden > 0) continue;
+        const double expected = static_cast<double>(left) / kAll;
+        const double found = test::pixel(image, x, y, spectral_channel_name(kLine_d_nm)) / lit;
+        // Samples find the shadow's edge: a sixteenth of them each way.
+        EXPECT_NEAR(found, expected, 0.07) << x << ", " << y;
+        sum += found;
+        expected_sum += expected;
+        ++pixels;
+      }
+    }
+  }
+  EXPECT_GT(pixels, 40);
+  EXPECT_NEAR(sum / pixels, expected_sum / pixels, 0.005);  // Chance of so many samples.
 }
 
 TEST(ParallelChain, caustics_off_gives_the_straight_ray_and_exact_nothing_twice) {

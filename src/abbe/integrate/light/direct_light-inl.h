@@ -9,6 +9,8 @@
 #endif
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <span>
 
 #include "abbe/caustics/flat/light/known_misses.h"
@@ -300,7 +302,10 @@ class DirectLight {
       if (!comes_in(chain.ends_in(), fan.media)) continue;
       ParallelChainLight<D> light(world_, caustics_.parallel, chain, set);
       if (!light.run(hit.position, rounding_m, pixel, to_light, met)) continue;
-      send_arrived(chain, surface, !chain.disperses && !fan.spread, to_light, met);
+      LaneArray3 shift_m;
+      if (light.is_shifted()) find_shifts(light, surface, to_light, shift_m);
+      send_arrived(chain, surface, !chain.disperses && !fan.spread, to_light, met,
+                   light.is_shifted() ? &shift_m : nullptr);
     }
   }
 
@@ -347,7 +352,7 @@ class DirectLight {
         misses_.add(number, light.middle(), light.miss());
         continue;
       }
-      send_arrived(chain, surface, light.is_one_path(), to_light, met);
+      send_arrived(chain, surface, light.is_one_path(), to_light, met, nullptr);
     }
   }
 
@@ -362,16 +367,48 @@ class DirectLight {
     return LargestDistance(D(), stride_, where.hit.position, where.hit.lanes, center);
   }
 
-  // Notes the light that a chain brings, on one path for all lanes or on one for each.
+  // How far off a surface's places its light arrives. What cannot be seen from there, as behind a
+  // wall that stands on it in the same pixel, is no place of it.
+  void find_shifts(const ParallelChainLight<D>& light, const LitSurface& surface,
+                   const LightGeometry& to_light, LaneArray3& shift_m) const {
+    const SurfaceHit& hit = surface.where.hit;
+    Vec3f asked(0.0f), answer(0.0f);
+    for (int lane = 0; lane < stride_; ++lane) {
+      const Vec3f shift = to_light.irradiance[lane] > 0.0f ? light.shift_m(lane) : Vec3f(0.0f);
+      // Where all lanes go by one path they are shifted alike.
+      if (shift != asked) {
+        asked = shift;
+        answer = is_seen(hit, lane, shift) ? shift : Vec3f(0.0f);
+      }
+      shift_m.set(lane, answer);
+    }
+  }
+
+  bool is_seen(const SurfaceHit& hit, int lane, const Vec3f& shift) const {
+    const float length_m = glm::length(shift);
+    if (length_m == 0.0f) return true;
+    const Vec3f from = off_surface(hit.position.get(lane), hit.outward.get(lane),
+                                   hit.offset_m[lane], -hit.direction.get(lane));
+    const std::array<Ray, 1> way{Ray{from, length_m, shift / length_m}};
+    std::array<std::uint8_t, 1> is_blocked{};
+    const auto anything = static_cast<QueryMask>(kOpaqueBit | kTransparentBit | kExactGlassBit);
+    world_.accelerator->any_hits(std::span<const Ray>(way), anything, is_blocked);
+    return is_blocked[0] == 0;
+  }
+
+  // Notes the light that a chain brings, on one path for all lanes or on one for each; it arrives
+  // `shift_m` off the places of the surface, if that is given.
   void send_arrived(const ChainPath& chain, const LitSurface& surface, bool is_one_path,
-                    const LightGeometry& to_light, const ChainPlaces& met) {
+                    const LightGeometry& to_light, const ChainPlaces& met,
+                    const LaneArray3* shift_m) {
     ShadowJob job;
     if (!begin_job(surface, to_light, job)) return;
     job.spread = !is_one_path;
     job.at_glass = AtGlass::Ends;
     const auto place_of = [&](int lane) {
       const SurfaceHit& hit = surface.where.hit;
-      return LitPlace{origin_of(hit, to_light, lane), hit.offset_m[lane]};
+      const Vec3f shift = shift_m != nullptr ? shift_m->get(lane) : Vec3f(0.0f);
+      return LitPlace{origin_of(hit, to_light, lane) + shift, hit.offset_m[lane]};
     };
     shadows_.add(job, [&](int lane) { return LastRay(chain, met, place_of(lane), lane); });
     AddGates(shadows_, world_, chain, met, job, place_of);

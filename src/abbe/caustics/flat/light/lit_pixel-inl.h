@@ -9,6 +9,7 @@
 #endif
 
 #include <array>
+#include <bit>
 #include <cstddef>
 
 #include "abbe/caustics/flat/light/pixel_on_surface.h"
@@ -21,8 +22,9 @@ namespace HWY_NAMESPACE {
 /// The part of a line across a pixel that some half-spaces leave.
 template <class D>
 struct LitPart {
-  static constexpr float kEnd = 0.05f;  ///< What share of it each end is.
-  VecOf<D> first, last;                 ///< In pixels from the centre.
+  static constexpr float kEnd = 0.01f;         ///< What share of it each end is.
+  static constexpr float kLeastRise = 1e-12f;  ///< Of a cell that holds nothing of the kernel.
+  VecOf<D> first, last;                        ///< In pixels from the centre.
 
   LitPart(D d, const PixelOnSurface& pixel)
       : first(hn::Set(d, -pixel.radius_px)), last(hn::Set(d, pixel.radius_px)) {}
@@ -38,11 +40,17 @@ struct LitPart {
   }
 
   HWY_INLINE hn::Mask<D> is_there() const { return hn::Lt(first, last); }
-  /// The place of it that is nearest to one of the line, but for its ends, where a path of light
-  /// runs along the edges of facets.
-  HWY_INLINE VecOf<D> nearest(D d, float offset_px) const {
+  /// The place that has the share `below_it` of the kernel's integral over it below it, but for its
+  /// ends, where a path of light runs along the edges of facets.
+  HWY_INLINE VecOf<D> place_above(D d, const PixelOnSurface& pixel, VecOf<D> below_it) const {
+    const auto low = below(d, pixel, first);
+    const auto place = at_share(d, pixel, hn::MulAdd(below_it, share(d, pixel), low));
+    return inside(d, place);
+  }
+  /// A place of the line, moved off its ends.
+  HWY_INLINE VecOf<D> inside(D d, VecOf<D> place) const {
     const auto end = hn::Mul(hn::Sub(last, first), hn::Set(d, kEnd));
-    return hn::Min(hn::Max(hn::Set(d, offset_px), hn::Add(first, end)), hn::Sub(last, end));
+    return hn::Min(hn::Max(place, hn::Add(first, end)), hn::Sub(last, end));
   }
   /// The kernel's integral over it. Domain: lanes in which it is there; others are undefined.
   HWY_INLINE VecOf<D> share(D d, const PixelOnSurface& pixel) const {
@@ -61,6 +69,25 @@ struct LitPart {
     const auto low = hn::GatherIndex(d, pixel.cumulated, cell);
     const auto high = hn::GatherIndex(d, pixel.cumulated + 1, cell);
     return hn::Add(low, hn::Mul(part, hn::Sub(high, low)));
+  }
+
+  /// The place that a share of the kernel's integral lies below: the inverse of below().
+  static HWY_INLINE VecOf<D> at_share(D d, const PixelOnSurface& pixel, VecOf<D> wanted) {
+    const hn::RebindToSigned<D> di;
+    static_assert(std::has_single_bit(static_cast<unsigned>(PixelKernel::kCells)));
+    // The last cell that begins below it.
+    auto cell = hn::Zero(di);
+    for (int step = PixelKernel::kCells / 2; step > 0; step /= 2) {
+      const auto further = hn::Add(cell, hn::Set(di, step));
+      const auto begin = hn::GatherIndex(d, pixel.cumulated, further);
+      cell = hn::IfThenElse(hn::RebindMask(di, hn::Le(begin, wanted)), further, cell);
+    }
+    const auto low = hn::GatherIndex(d, pixel.cumulated, cell);
+    const auto rise = hn::Sub(hn::GatherIndex(d, pixel.cumulated + 1, cell), low);
+    const auto part = hn::Div(hn::Sub(wanted, low), hn::Max(rise, hn::Set(d, kLeastRise)));
+    const auto inside = hn::Min(hn::Max(part, hn::Zero(d)), hn::Set(d, 1.0f));
+    const auto width = hn::Set(d, 2.0f * pixel.radius_px / PixelKernel::kCells);
+    return hn::MulAdd(hn::Add(hn::ConvertTo(d, cell), inside), width, hn::Set(d, -pixel.radius_px));
   }
 };
 
@@ -85,7 +112,7 @@ class LitArea {
     if (count_ < kMostLines) lines_[count_++] = line;
   }
 
-  /// Finds share() and across(). Returns the lanes in which anything is left.
+  /// Finds share(). Returns the lanes in which anything is left.
   ///
   /// The integral over the polygon is that along its edges, counterclockwise, of the kernel's
   /// integral up to u: of each edge over the v at which no other line is nearer.
@@ -113,15 +140,14 @@ class LitArea {
   }
 
   VecOf<D> share() const { return share_; }
-  /// The range of v. Domain: after integrate().
-  const LitPart<D>& across() const { return across_; }
-  /// The range of u at a v.
-  LitPart<D> along_at(D d, VecOf<D> v) const {
-    LitPart<D> part(d, pixel_);
-    for (std::size_t k = 2; k < count_; ++k) {
-      part.clip(d, hn::MulAdd(lines_[k].across, v, lines_[k].height), lines_[k].along);
-    }
-    return part;
+  /// Moves a place of the pixel to where the same share of the polygon lies below it in v, and
+  /// beside it in u, as of the pixel did: places that are drawn from the kernel are drawn from what
+  /// the polygon leaves of it then. Domain: after integrate(), in the lanes that it returned.
+  /// Source: Rosenblatt, Remarks on a Multivariate Transformation, 1952.
+  void move_in(D d, VecOf<D>& u, VecOf<D>& v) const {
+    const auto beside_u = LitPart<D>::below(d, pixel_, u);
+    v = place_across(d, LitPart<D>::below(d, pixel_, v));
+    u = along_at(d, v).place_above(d, pixel_, beside_u);
   }
 
  private:
@@ -165,6 +191,53 @@ class LitArea {
       below = up_to_end;
     }
     return sum;
+  }
+
+  // The range of u at a v.
+  LitPart<D> along_at(D d, VecOf<D> v) const {
+    LitPart<D> part(d, pixel_);
+    for (std::size_t k = 2; k < count_; ++k) {
+      part.clip(d, hn::MulAdd(lines_[k].across, v, lines_[k].height), lines_[k].along);
+    }
+    return part;
+  }
+
+  // The v that a share of the polygon lies below: in strips, k exactly, the width at the middle.
+  VecOf<D> place_across(D d, VecOf<D> below_it) const {
+    const auto zero = hn::Zero(d);
+    const auto step = hn::Mul(hn::Sub(across_.last, across_.first), hn::Set(d, 1.0f / kStrips));
+    std::array<VecOf<D>, kStrips> masses;
+    auto all = zero;
+    for (int strip = 0; strip < kStrips; ++strip) {
+      const auto begin = hn::MulAdd(step, hn::Set(d, static_cast<float>(strip)), across_.first);
+      const auto in_v = hn::Sub(LitPart<D>::below(d, pixel_, hn::Add(begin, step)),
+                                LitPart<D>::below(d, pixel_, begin));
+      const auto middle = hn::MulAdd(step, hn::Set(d, 0.5f), begin);
+      const auto in_u = along_at(d, middle).share(d, pixel_);
+      masses[static_cast<std::size_t>(strip)] = hn::Mul(in_v, hn::Max(in_u, zero));
+      all = hn::Add(all, masses[static_cast<std::size_t>(strip)]);
+    }
+    const auto wanted = hn::Mul(below_it, all);
+    auto before = zero, part = zero, number = zero;
+    auto so_far = zero;
+    for (int strip = 0; strip < kStrips; ++strip) {
+      const auto mass = masses[static_cast<std::size_t>(strip)];
+      const auto is_here = hn::And(hn::Le(so_far, wanted), hn::Gt(mass, zero));
+      number = hn::IfThenElse(is_here, hn::Set(d, static_cast<float>(strip)), number);
+      before = hn::IfThenElse(is_here, so_far, before);
+      part = hn::IfThenElse(is_here, mass, part);
+      so_far = hn::Add(so_far, mass);
+    }
+    const auto least = hn::Set(d, LitPart<D>::kLeastRise);
+    const auto share = hn::Div(hn::Sub(wanted, before), hn::Max(part, least));
+    LitPart<D> strip(d, pixel_);
+    strip.first = hn::MulAdd(step, number, across_.first);
+    strip.last = hn::Add(strip.first, step);
+    const auto low = LitPart<D>::below(d, pixel_, strip.first);
+    const auto inside = hn::Min(hn::Max(share, zero), hn::Set(d, 1.0f));
+    const auto place =
+        LitPart<D>::at_share(d, pixel_, hn::MulAdd(inside, strip.share(d, pixel_), low));
+    return across_.inside(d, place);
   }
 
   const PixelOnSurface& pixel_;

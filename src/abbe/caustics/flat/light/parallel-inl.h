@@ -40,20 +40,26 @@ class ParallelChainLight {
 
   /// Fills directions to the light, distances to the last facet, and the irradiance across them, 0
   /// in lanes that are not lit. Returns whether any lane is. The light is the mean over a pixel
-  /// about each place. The geometry is that of the lit place of the pixel that is nearest to each,
-  /// so that what stands in the way is asked where the samples are. Places may be off by
-  /// `rounding_m`.
+  /// about each place. The geometry is that of a place of what is lit of the pixel, as likely as
+  /// it is the kernel's, so that what stands in the way takes of the light the share that it
+  /// stands before. Places may be off by `rounding_m`.
   bool run(const LaneArray3& positions, float rounding_m, const PixelOnSurface& pixel,
            LightGeometry& geometry, ChainPlaces& met) {
     const D d;
     rounding_m_ = rounding_m;
     bool any = false;
+    is_shifted_ = false;
     axis_ = pixel.is_point() ? 0 : axis_of(positions, pixel);
     for (int i = 0; i < tables_.lanes.lane_stride(); i += static_cast<int>(hn::Lanes(d))) {
       any |= light_lanes(positions, pixel, i, geometry, met);
     }
     return any;
   }
+
+  /// Whether the geometry of any lane is that of another place of the pixel. Domain: after run().
+  bool is_shifted() const { return is_shifted_; }
+  /// How far off in the pixel's plane that is. Domain: only where is_shifted().
+  Vec3f shift_m(int lane) const { return shift_m_.get(lane); }
 
   /// The part of every ray that the chain lights. Returns whether it is anything in any
   /// lane of positive weight.
@@ -105,7 +111,7 @@ class ParallelChainLight {
   }
 
   bool light_lanes(const LaneArray3& positions, const PixelOnSurface& pixel, int i,
-                   LightGeometry& geometry, ChainPlaces& met) const {
+                   LightGeometry& geometry, ChainPlaces& met) {
     const D d;
     const auto zero = hn::Zero(d);
     const auto one = hn::Set(d, 1.0f);
@@ -127,15 +133,23 @@ class ParallelChainLight {
     return true;
   }
 
-  // The lanes of `lit` whose pixel the light falls on, the light of the whole pixel, and the lit
-  // place of it that is nearest to the one at hand.
-  M clip_to_lit(M lit, const PixelOnSurface& pixel, int i, V3& place, V& irradiance) const {
+  // The lanes of `lit` whose pixel the light falls on, the light of the whole pixel, and a lit
+  // place of it.
+  M clip_to_lit(M lit, const PixelOnSurface& pixel, int i, V3& place, V& irradiance) {
     const D d;
     std::uint64_t cuts = 0;
     Vec2f unused(0.0f);
     lit = find_cuts(lit, pixel, i, place, cuts, unused);
-    if (cuts == 0 || hn::AllFalse(d, lit)) return lit;
-    return clip_area(lit, cuts, pixel, axis_, i, place, irradiance);
+    const bool is_cut = cuts != 0 && !hn::AllFalse(d, lit);
+    if (is_cut) {
+      const V3 from = place;
+      lit = clip_area(lit, cuts, pixel, axis_, i, place, irradiance);
+      Store3(d, Combine3(d, hn::Set(d, 1.0f), place, hn::Set(d, -1.0f), from), shift_m_, i);
+    } else {
+      Store3(d, Set3(d, Vec3f(0.0f)), shift_m_, i);
+    }
+    is_shifted_ |= is_cut;
+    return lit;
   }
 
   // The lanes that some of the pixel is lit in as far as single sides tell, the sides that cut it,
@@ -188,10 +202,11 @@ class ParallelChainLight {
     lit = hn::And(lit, area.integrate(d));
     if (hn::AllFalse(d, lit)) return lit;
     irradiance = hn::Mul(irradiance, area.share());
-    const float along_px = pixel.offset_px[axis], across_px = pixel.offset_px[1 - axis];
-    const V at = area.across().nearest(d, across_px);
-    const V v = hn::Sub(at, hn::Set(d, across_px));
-    const V u = hn::Sub(area.along_at(d, at).nearest(d, along_px), hn::Set(d, along_px));
+    const V along_px = hn::Set(d, pixel.offset_px[axis]);
+    const V across_px = hn::Set(d, pixel.offset_px[1 - axis]);
+    V at_u = along_px, at_v = across_px;
+    area.move_in(d, at_u, at_v);
+    const V u = hn::Sub(at_u, along_px), v = hn::Sub(at_v, across_px);
     const V nearness =
         hn::MulAdd(u, hn::Set(d, pixel.closer[axis]),
                    hn::MulAdd(v, hn::Set(d, pixel.closer[1 - axis]), hn::Set(d, 1.0f)));
@@ -283,6 +298,8 @@ class ParallelChainLight {
   const int set_;
   float rounding_m_ = 0.0f;
   int axis_ = 0;
+  bool is_shifted_ = false;
+  LaneArray3 shift_m_;
 };
 
 }  // namespace HWY_NAMESPACE

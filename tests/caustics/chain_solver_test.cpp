@@ -32,6 +32,9 @@ class Wedge : public testing::Test {
     chain.crossings = {0, 1};
     chain.directions.assign(3, glm::normalize(Vec3d(1.0, 0.0, 0.1)));
     chain.lamp = lamp;
+    chain.steps.emplace_back().event = ChainEvent::Enter;
+    chain.steps.emplace_back().event = ChainEvent::Leave;
+    set_start(chain);
     return chain;
   }
 

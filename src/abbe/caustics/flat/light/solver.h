@@ -28,11 +28,12 @@ struct CrossingSlopes {
 Vec3d off_last_face(const PointChain& chain, const Vec3d& place);
 
 /// Finds the path of least optical length from the lamp to a place over the planes of a chain,
-/// whether or not it stays inside the outlines of the faces. Newton's method on the convex sum
-/// Σ n·distance, with shorter steps where a whole one goes too far. Where none of them shortens the
-/// path, the sum is rounded off at the edges that planes meet in, less and less: so paths that end
-/// at an edge are told from those that pass close to it. Else a step of Weiszfeld's, which always
-/// shortens it.
+/// whether or not it stays inside the outlines of the faces. First by rays from the lamp, corrected
+/// by what they miss the place, where that leads there in a few steps. Otherwise by Newton's method
+/// on the convex sum Σ n·distance, with shorter steps where a whole one goes too far. Where none of
+/// them shortens the path, the sum is rounded off at the edges that planes meet in, less and less:
+/// so paths that end at an edge are told from those that pass close to it. Else a step of
+/// Weiszfeld's, which always shortens it.
 /// Once steps get shorter fast, `gives_up` is asked whether to go on.
 /// Shape:  one index per segment, chain.crossings.size() + 1 of them.
 /// Domain: place is relative to the chain's origin, and unfolded. Without crossings always true.

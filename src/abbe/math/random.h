@@ -25,7 +25,7 @@ enum class Purpose : std::uint8_t {
   // At a surface or in fog, once a path and item.
   Roulette,     ///< 1D. Which lobe a faint path follows.
   Microfacet,   ///< 2D. The normal of a rough surface, shared by all lanes.
-  Light,        ///< 1D. Which of many lamps is asked.
+  Light,        ///< 1D. Whether a faint path of light is followed; an item is a chain.
   LightPoint,   ///< 2D. Where on a lamp with an area; an item is a lamp.
   Environment,  ///< 2D. A direction of light from all around.
   Phase,        ///< 2D. Where fog scatters to.

@@ -79,6 +79,7 @@ struct PointChain : ChainPath {
   std::vector<std::optional<std::uint32_t>> media;  ///< Before each crossing and behind the last.
   std::vector<Vec3d> directions;  ///< Typical ones on those segments, in the unfolded space.
   LaneMask lanes;                 ///< That are followed over it.
+  float kept = 0.0f;              ///< Of its light, what its facets have left it, as a mean.
   Vec3d lamp{0.0};
   /// Where the lamp's rays are counted from on the first crossed plane, in the coordinates of its
   /// frame: below the lamp, if that is near the face. So rays of a lamp that almost touches the

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -33,11 +34,11 @@ namespace HWY_NAMESPACE {
 template <class D>
 class DirectLight {
  public:
-  DirectLight(const LitWorld& world, const PixelKernel& kernel,
+  DirectLight(const LitWorld& world, const IntegratorSettings& settings,
               std::span<const CameraSample> samples, ShadowQueue<D>& shadows, KnownMisses& misses)
       : world_(world),
         caustics_(world.caustics),
-        kernel_(kernel),
+        settings_(settings),
         samples_(samples),
         shadows_(shadows),
         misses_(misses),
@@ -82,6 +83,11 @@ class DirectLight {
 
  private:
   static constexpr std::uint32_t kPlacesSeen = 4;
+  // Of fewer chains all are followed.
+  static constexpr std::size_t kManyChains = 32;
+  // A chain that brings less than this share of its lamp's straight light brings little.
+  static constexpr float kLittle = 0.01f;
+  static constexpr float kLeastChance = 0.0625f;
 
   // Straight light of a lamp with an extent, of all lobes: no ray meets it.
   void send_extended(const LitSurface& surface, const WorldLight& light, float fog_per_m,
@@ -286,7 +292,7 @@ class DirectLight {
     const float radius_m = radius_of(surface.where, center) + rounding_m;
     PixelOnSurface pixel;
     if (fan.depth == 0 && !fan.spread) {
-      pixel = pixel_on_surface(samples_[fan.sample], kernel_, surface.where.path_length_m,
+      pixel = pixel_on_surface(samples_[fan.sample], settings_.kernel, surface.where.path_length_m,
                                hit.outward.get(0));
     }
     LightGeometry to_light;
@@ -300,8 +306,11 @@ class DirectLight {
       const ParallelChain& chain = chains[number];
       if (!may_light(chain, center, reach_m)) continue;
       if (!comes_in(chain.ends_in(), fan.media)) continue;
+      const float times = times_followed(fan, number, chains.size(), chain.weight);
+      if (times == 0.0f) continue;
       ParallelChainLight<D> light(world_, caustics_.parallel, chain, set);
       if (!light.run(hit.position, rounding_m, pixel, to_light, met)) continue;
+      scale(times, to_light);
       LaneArray3 shift_m;
       if (light.is_shifted()) find_shifts(light, surface, to_light, shift_m);
       send_arrived(chain, surface, !chain.disperses && !fan.spread, to_light, met,
@@ -346,14 +355,44 @@ class DirectLight {
       } else if (!is_in_bounds(place, all, chain)) {
         continue;
       }
-      if (misses_.hold(number, center, radius_m)) continue;
+      const float times = times_followed(fan, number, all.chains.size(), share_at(chain, center));
+      if (times == 0.0f || misses_.hold(number, center, radius_m)) continue;
       PointChainLight<D> light(world_, all, chain, set);
       if (!light.run(hit.position, rounding_m, near, !fan.spread, to_light, met)) {
         misses_.add(number, light.middle(), light.miss());
         continue;
       }
+      scale(times, to_light);
       send_arrived(chain, surface, light.is_one_path(), to_light, met, nullptr);
     }
+  }
+
+  // Of a lamp's straight light at a place, what a chain may bring, if its faces were mirrors.
+  float share_at(const PointChain& chain, const Vec3f& place) const {
+    const Vec3d unfolded = chain.fold * Vec3d(place - chain.origin) + chain.fold_shift;
+    const Vec3d on_path = chain.lamp - unfolded;
+    const Vec3f straight = world_.lights[chain.light].position - place;
+    return chain.kept * glm::dot(straight, straight) /
+           static_cast<float>(glm::dot(on_path, on_path));
+  }
+
+  // How often the light of a chain counts where it is followed now, or 0: of many chains those that
+  // bring little are followed at some of the samples of a pixel, each by chances of its own.
+  float times_followed(const Fan& fan, std::uint32_t number, std::size_t chains,
+                       float share) const {
+    if (chains < kManyChains || share >= kLittle || settings_.drop || settings_.cutoff == 0.0f) {
+      return 1.0f;
+    }
+    // Halves of it, so that sixteen samples hold as many of each chain as they should.
+    float chance = 0.5f;
+    while (chance > kLeastChance && share < chance * kLittle) chance *= 0.5f;
+    const float drawn = random_1d(samples_[fan.sample].chance, fan.path, Purpose::Light, number);
+    return drawn < chance ? 1.0f / chance : 0.0f;
+  }
+
+  void scale(float times, LightGeometry& to_light) const {
+    if (times == 1.0f) return;
+    for (int lane = 0; lane < stride_; ++lane) to_light.irradiance[lane] *= times;
   }
 
   // Whether light of a chain that ends in a medium can come to a place in others.
@@ -431,7 +470,7 @@ class DirectLight {
 
   const World& world_;
   const FlatCaustics& caustics_;
-  const PixelKernel& kernel_;
+  const IntegratorSettings& settings_;
   std::span<const CameraSample> samples_;
   ShadowQueue<D>& shadows_;
   KnownMisses& misses_;

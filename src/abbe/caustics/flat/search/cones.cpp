@@ -194,7 +194,7 @@ class Searcher {
     axes_.push_back(behind.axis);
     if (search_.lights_places(node.region)) {
       widest_rad_ = std::max(widest_rad_, behind.angle_rad);
-      pending_.push_back({part_, path_, axes_, behind, node.lanes, node.flux});
+      pending_.push_back({part_, path_, axes_, behind, node.lanes, node.flux, node.sent});
     }
     for (const std::uint32_t child : node.children) {
       const PathNode& next = tree_.nodes[child];

@@ -30,6 +30,7 @@ struct ConeOnPath {
   BeamCone cone;            ///< Behind the last face; world coordinates.
   LaneMask lanes;           ///< That are followed over the path.
   double flux = 0.0;        ///< Of the whole path.
+  double sent = 0.0;        ///< The same before it lost any on its way.
 };
 
 /// Follows all light of a point or spot light over the paths of a tree, and shows the cones one

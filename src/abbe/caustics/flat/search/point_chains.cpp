@@ -95,7 +95,7 @@ struct Gathered {
   std::uint32_t last_part = 0;  ///< The last of the cones is of this part of the light.
   std::size_t parts_in_last = 0, parts_in_cone = 1;  ///< Parts of it, and that any may be of.
   LaneMask lanes;
-  double flux = 0.0;
+  double flux = 0.0, sent = 0.0;
   std::vector<Vec3d> axes;
 };
 
@@ -121,6 +121,7 @@ class Maker {
     const Vec3d normal = lit_normal(found.path);
     into.lanes = found.lanes;
     into.flux = found.flux;
+    into.sent = found.sent;
     if (into.axes.empty()) into.axes.resize(found.axes.size(), Vec3d(0.0));
     for (std::size_t i = 0; i < found.axes.size(); ++i) into.axes[i] += found.axes[i];
     Bounds bounds;
@@ -143,6 +144,7 @@ class Maker {
     chain.light = light_;
     chain.lanes = gathered.lanes;
     chain.weight = static_cast<float>(gathered.flux);
+    chain.kept = static_cast<float>(gathered.flux / gathered.sent);
     const Vec3d origin = rounded_to_single(chains_.frames[path.front().face].origin);
     chain.origin = Vec3f(origin);
     chain.lamp = lamp_ - origin;

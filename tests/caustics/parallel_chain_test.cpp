@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "abbe/base/constants.h"
 #include "abbe/image/exr/exr.h"
@@ -217,6 +219,97 @@ TEST(ParallelChain, pixel_with_an_edge_of_light_and_one_of_shadow_gets_what_both
   }
   EXPECT_GT(pixels, 40);
   EXPECT_NEAR(sum / pixels, expected_sum / pixels, 0.005);  // Chance of so many samples.
+}
+
+// What a convex prism of glass sends to a place of light that goes along `sun`, where it has come
+// along `arrival`: Fresnel's shares, 0 if none. Back along the ray, in double precision.
+double share_through(const std::vector<Vec4d>& planes, double n, Vec3d at, const Vec3d& arrival,
+                     const Vec3d& sun) {
+  Vec3d back = -arrival;
+  double share = 1.0;
+  for (int face = 0; face < 12; ++face) {
+    const bool is_inside = face > 0;
+    // Into the prism over the last plane that is crossed from outside, out over the first.
+    double t = is_inside ? 1e300 : 0.0;
+    Vec3d normal(0.0);
+    for (const Vec4d& plane : planes) {
+      const double slope = glm::dot(Vec3d(plane), back);
+      const double to_plane = (plane.w - glm::dot(Vec3d(plane), at)) / slope;
+      const bool is_met = is_inside ? slope > 0.0 && to_plane < t : slope < 0.0 && to_plane > t;
+      if (!is_met) continue;
+      t = to_plane;
+      normal = Vec3d(plane);
+    }
+    at += t * back;
+    for (const Vec4d& plane : planes) {
+      if (glm::dot(Vec3d(plane), at) > plane.w + 1e-9) return 0.0;
+    }
+    const double cosine = std::abs(glm::dot(normal, back));
+    const double eta = is_inside ? n : 1.0 / n;
+    const double square = 1.0 - eta * eta * (1.0 - cosine * cosine);
+    if (square <= 0.0) {
+      back -= 2.0 * glm::dot(normal, back) * normal;
+      continue;
+    }
+    share *= fresnel_dielectric(cosine, 1.0 / eta).transmittance();
+    const Vec3d ahead = is_inside ? normal : -normal;
+    back = eta * back + (std::sqrt(square) - eta * cosine) * ahead;
+    if (is_inside) return glm::dot(back, -sun) > 1.0 - 1e-9 ? share : 0.0;
+  }
+  return 0.0;
+}
+
+TEST(ParallelChain, turned_hexagonal_prism_lights_the_floor_straight_and_off_its_end) {
+  const Vec3d sun = glm::normalize(Vec3d(0.3, -1.0, 0.2));
+  RenderSettings settings = line_settings();
+  const double open = radiance(floor_scene(sun, {0.15, 0.0, 0.17}), settings, kLine_d_nm);
+  int straight = 0, off_end = 0;
+  for (int turn_deg = -12; turn_deg <= 12; ++turn_deg) {
+    const Mat4d placed =
+        test::translation({0.02, 0.41, 0.03}) * test::rotation({0, 1, 0}, turn_deg);
+    // Corners in single precision: its planes meet in them but for rounding.
+    Mesh prism;
+    std::vector<Vec4d> planes;
+    for (std::uint32_t side = 0; side < 8; ++side) {
+      const double angle = 0.13 + side * kPi / 3.0;
+      const Vec3d normal = side < 6
+                               ? Vec3d(std::cos(angle + kPi / 6.0), std::sin(angle + kPi / 6.0), 0)
+                               : Vec3d(0, 0, side == 6 ? 1 : -1);
+      const Vec3d turned(placed * Vec4d(normal, 0.0));
+      const double distance_m = side < 6 ? 0.2 * std::cos(kPi / 6.0) : 0.25;
+      planes.emplace_back(turned, distance_m + glm::dot(turned, Vec3d(placed[3])));
+      if (side >= 6) continue;
+      for (const double z : {-0.25, 0.25}) {
+        prism.positions.emplace_back(placed *
+                                     Vec4d(0.2 * std::cos(angle), 0.2 * std::sin(angle), z, 1.0));
+      }
+      const std::uint32_t back = 2 * side, next = (back + 2) % 12;
+      prism.triangles.push_back({back, next, next + 1});
+      prism.triangles.push_back({back, next + 1, back + 1});
+      if (side == 0 || side == 5) continue;
+      prism.triangles.push_back({0, next, back});
+      prism.triangles.push_back({1, back + 1, next + 1});
+    }
+    const Vec3d end(placed * Vec4d(0.0, 0.0, 1.0, 0.0));
+    const Vec3d off_the_end = sun - 2.0 * glm::dot(sun, end) * end;
+    for (const double x : {0.11, 0.15, 0.19}) {
+      for (const double z : {0.15, 0.16, 0.17, 0.18, 0.19}) {
+        SCOPED_TRACE(std::to_string(turn_deg) + " deg, " + std::to_string(x) + ", " +
+                     std::to_string(z));
+        const Vec3d place(x, 0.0, z);
+        const double first = share_through(planes, 1.5, place, sun, sun);
+        const double second = share_through(planes, 1.5, place, off_the_end, sun);
+        straight += first > 0.0 ? 1 : 0;
+        off_end += second > 0.0 ? 1 : 0;
+        Scene scene = floor_scene(sun, place);
+        test::add_mesh(scene, prism, test::add(scene, test::glass(1.5)), Mat4d(1.0));
+        // Paths with more reflections bring a few thousandths.
+        EXPECT_NEAR(radiance(scene, settings, kLine_d_nm) / open, first + second, 0.02);
+      }
+    }
+  }
+  EXPECT_GT(straight, 100);
+  EXPECT_GT(off_end, 100);
 }
 
 TEST(ParallelChain, caustics_off_gives_the_straight_ray_and_exact_nothing_twice) {

@@ -22,15 +22,6 @@ Mat4d look_at(const Vec3d& eye, const Vec3d& target) {
   return m;
 }
 
-void add_mesh(Scene& scene, Mesh mesh, std::uint32_t material, const Mat4d& to_world) {
-  mesh.material = material;
-  scene.meshes.push_back(std::move(mesh));
-  Instance instance;
-  instance.what = static_cast<std::uint32_t>(scene.meshes.size() - 1);
-  instance.to_world = to_world;
-  scene.instances.push_back(std::move(instance));
-}
-
 Material plain() {
   Material material;
   material.metallic = 0.0f;
@@ -121,6 +112,15 @@ void add_box(Scene& scene, std::uint32_t material, const Vec3d& half_m, const Ma
     }
   }
   add_shape(scene, {.name = "box", .geometry = box}, material, to_world);
+}
+
+void add_mesh(Scene& scene, Mesh mesh, std::uint32_t material, const Mat4d& to_world) {
+  mesh.material = material;
+  scene.meshes.push_back(std::move(mesh));
+  Instance instance;
+  instance.what = static_cast<std::uint32_t>(scene.meshes.size() - 1);
+  instance.to_world = to_world;
+  scene.instances.push_back(std::move(instance));
 }
 
 void add_box_mesh(Scene& scene, std::uint32_t material, const Vec3d& half_m,

@@ -36,6 +36,8 @@ void add_sphere(Scene& scene, std::uint32_t material, const Vec3d& center, doubl
 void add_box(Scene& scene, std::uint32_t material, const Vec3d& half_m, const Mat4d& to_world);
 /// The same box as twelve triangles.
 void add_box_mesh(Scene& scene, std::uint32_t material, const Vec3d& half_m, const Mat4d& to_world);
+/// A mesh, of a material.
+void add_mesh(Scene& scene, Mesh mesh, std::uint32_t material, const Mat4d& to_world);
 /// A square in the XY plane of `to_world`, facing +Z.
 void add_square(Scene& scene, std::uint32_t material, double half_m, const Mat4d& to_world);
 /// A prism whose apex edge is the Y axis of `to_world`; its cross section in the XZ plane opens

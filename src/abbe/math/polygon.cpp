@@ -52,6 +52,18 @@ std::vector<Vec3d> clipped(const std::vector<Vec3d>& polygon, const Vec3d& norma
   return kept;
 }
 
+std::vector<Vec3d> without_short_edges(const std::vector<Vec3d>& polygon, double shortest_m) {
+  std::vector<Vec3d> kept;
+  for (const Vec3d& corner : polygon) {
+    if (kept.empty() || glm::distance(corner, kept.back()) > shortest_m) kept.push_back(corner);
+  }
+  while (kept.size() > 1 && !(glm::distance(kept.front(), kept.back()) > shortest_m)) {
+    kept.pop_back();
+  }
+  if (kept.size() < 3) kept.clear();
+  return kept;
+}
+
 std::vector<Vec3d> clipped_by_shadow(std::vector<Vec3d> polygon, const std::vector<Vec3d>& window,
                                      const Vec3d& direction) {
   const Vec3d middle = centroid(window);

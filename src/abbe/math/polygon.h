@@ -14,8 +14,14 @@ std::vector<Vec3d> large_square(const Vec3d& normal, double distance, double hal
 /// The part of a polygon where normal·x ≤ distance; empty if there is none. Domain: convex.
 std::vector<Vec3d> clipped(const std::vector<Vec3d>& polygon, const Vec3d& normal, double distance);
 
+/// A polygon without corners that are closer than this to the one before: where planes meet in a
+/// corner, clipping leaves two, and the edge between them has the direction of rounding errors.
+/// Empty if fewer than three are left.
+std::vector<Vec3d> without_short_edges(const std::vector<Vec3d>& polygon, double shortest_m);
+
 /// The common part of a polygon and an infinite convex prism: the shadow that `window` casts along
-/// `direction`. Domain: both convex; the result lies in the plane of `polygon`.
+/// `direction`. Domain: both convex, the window without short edges; the result lies in the plane
+/// of `polygon`.
 std::vector<Vec3d> clipped_by_shadow(std::vector<Vec3d> polygon, const std::vector<Vec3d>& window,
                                      const Vec3d& direction);
 

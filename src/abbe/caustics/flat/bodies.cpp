@@ -128,7 +128,9 @@ std::vector<Facet> facets_of(const ConvexShape& shape, const Mat4d& to_world) {
     for (std::size_t j = 0; j < planes.size() && !polygon.empty(); ++j) {
       if (j != i) polygon = clipped(polygon, Vec3d(planes[j]), planes[j].w);
     }
-    if (polygon.size() < 3 || !(area_of(polygon) > 1e-12 * reach * reach)) continue;
+    // Where more than three planes meet, rounding makes several corners of one.
+    polygon = without_short_edges(polygon, 1e-9 * reach);
+    if (polygon.empty() || !(area_of(polygon) > 1e-12 * reach * reach)) continue;
     Facet facet{.normal = normal, .distance = planes[i].w, .corners = std::move(polygon)};
     facets.push_back(std::move(facet));
   }

@@ -13,6 +13,8 @@ namespace {
 
 // Sides of what a chain lights, as a guess before they are known.
 constexpr std::size_t kUsualSides = 8;
+// Shorter edges of what a facet passes, in its radii, are made by rounding.
+constexpr double kShort = 1e-8;
 
 class Builder {
  public:
@@ -49,6 +51,7 @@ class Builder {
       for (const HalfSpace& bound : beam) {
         polygon = clipped(polygon, bound.normal, bound.distance);
       }
+      polygon = without_short_edges(polygon, kShort * facets_[tree_.nodes[child].place].radius_m);
       for (Bundle& bundle : lamp.bundles) bundle.polygon = polygon;
       arrive(lamp, child);
     }
@@ -171,7 +174,8 @@ class Builder {
     const std::vector<Vec3d> window =
         clipped(facet.corners, -ahead, -glm::dot(ahead, bundle.polygon.front()));
     if (window.empty()) return {};
-    std::vector<Vec3d> polygon = clipped_by_shadow(window, bundle.polygon, bundle.direction);
+    const std::vector<Vec3d> polygon = without_short_edges(
+        clipped_by_shadow(window, bundle.polygon, bundle.direction), kShort * facet.radius_m);
     // A sliver made by rounding.
     if (polygon.empty() || !(area_of(polygon) > 1e-12 * facet.radius_m * facet.radius_m)) return {};
     return polygon;

@@ -15,6 +15,7 @@ namespace {
 constexpr double kSlack = 1e-5;
 constexpr float kNoBound = 1e30f;
 constexpr double kPathRounding = 4e-6;
+constexpr double kShort = 1e-9;
 // Parts that the light of a chain is bounded in; of more, neighbours share their bounds.
 constexpr std::size_t kMaxCones = 64;
 // Of those, so many neighbours are passed by at once.
@@ -54,7 +55,8 @@ FaceFrame frame_of(const FlatBodies& flat, const Face& face, const Vec3d& body_c
     for (std::size_t k = 0; k < corners.size(); ++k) {
       const Vec2d a = flattened(corners[k]);
       const Vec2d b = flattened(corners[(k + 1) % corners.size()]);
-      if (a != b) edges.push_back(edge_between(a, b));
+      // A shorter edge is made by rounding, and has any direction.
+      if (glm::distance(a, b) > kShort * face.radius_m) edges.push_back(edge_between(a, b));
     }
     frame.pieces.push_back(std::move(edges));
   }

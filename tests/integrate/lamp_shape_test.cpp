@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "abbe/base/constants.h"
@@ -88,6 +89,31 @@ TEST(LampShapeTest, cone_and_range_hold_for_it_and_nothing_comes_behind_a_flat_o
   EXPECT_NEAR(seen(scene, 4) / seen(floor_with(lamp), 4), 1.0, 1e-3);
   scene.lights[0].to_world = test::translation({0, 0.8, 0}) * test::rotation({1, 0, 0}, 90.0);
   EXPECT_EQ(seen(scene, 4), 0.0);
+}
+
+// Behind flat glass a small one shines as it does in the open, but for what the glass keeps.
+TEST(LampShapeTest, flat_one_behind_glass_shines_to_its_side_by_lamberts_law) {
+  for (const LampShape& shape : {LampShape(RectangleLamp{1e-3, 1e-3}), LampShape(DiskLamp{1e-3})}) {
+    const auto through_pane = [&](double turn_deg, bool has_shape) {
+      Light lamp = shining_down(shape, 0.8, 10.0);
+      lamp.to_world = test::translation({0, 0.8, 0}) * test::rotation({0, 0, 1}, turn_deg) *
+                      test::rotation({1, 0, 0}, -90.0);
+      if (!has_shape) lamp.shape.reset();
+      Scene scene = floor_with(lamp);
+      // Seen from below the pane, whose sides send no light there.
+      scene.cameras.front() = test::orthographic_camera({3, 0.3, 0}, {0, 0, 0}, 1e-4, 1e-4);
+      test::add_box(scene, test::add(scene, test::glass(1.5)), {0.5, 0.02, 0.5},
+                    test::translation({0, 0.55, 0}));
+      return seen(scene, 4);
+    };
+    for (const double turn_deg : {0.0, 30.0, 60.0, 85.0, 120.0, 180.0}) {
+      const double expected = std::max(std::cos(glm::radians(turn_deg)), 0.0);
+      // Light that the pane throws back and forth leaves at other angles: none here, straight
+      // below.
+      EXPECT_NEAR(through_pane(turn_deg, true) / through_pane(turn_deg, false), expected, 1e-3)
+          << shape.index() << " " << turn_deg;
+    }
+  }
 }
 
 // A square lamp over a ball that hides part of it, and a surface of the same place and light.

@@ -12,6 +12,10 @@ namespace abbe {
 struct LampExtent {
   LampShape shape;
   Vec3f x{1.0f, 0.0f, 0.0f}, y{0.0f, 1.0f, 0.0f};  ///< Unit vectors across that direction.
+
+  bool is_flat() const {
+    return std::holds_alternative<RectangleLamp>(shape) || std::holds_alternative<DiskLamp>(shape);
+  }
 };
 
 /// A place on a lamp, drawn for one that it shines on.

@@ -41,6 +41,16 @@ HWY_INLINE VecOf<D> LampWindow(D d, const WorldLight& light, VecOf<D> distance_m
   return window;
 }
 
+/// What range, cone and shape of a lamp leave of Φ/r² where its light comes as if from its middle:
+/// flat ones shine to one side, by Lambert's law. Units and domain: as LampWindow.
+template <class D>
+HWY_INLINE VecOf<D> WindowFromMiddle(D d, const WorldLight& light, VecOf<D> distance_m,
+                                     VecOf<D> cosine) {
+  const auto window = LampWindow(d, light, distance_m, cosine);
+  const bool is_flat = light.extent && light.extent->is_flat();
+  return is_flat ? hn::Mul(window, hn::Max(cosine, hn::Zero(d))) : window;
+}
+
 /// Light of a lamp that arrives straight, per lane, before visibility: Φ/r² and the lamp's window,
 /// or the irradiance of parallel light inside its beam.
 template <class D>
@@ -77,7 +87,7 @@ HWY_INLINE void StraightLight(D d, int stride, const WorldLight& light, const fl
       to_light = {hn::Mul(offset.x, inverse), hn::Mul(offset.y, inverse),
                   hn::Mul(offset.z, inverse)};
       const auto cosine = Dot3(d, to_light, Set3(d, -light.direction));
-      attenuation = hn::Mul(hn::Div(one, distance2), LampWindow(d, light, distance, cosine));
+      attenuation = hn::Mul(hn::Div(one, distance2), WindowFromMiddle(d, light, distance, cosine));
     }
     Store3(d, to_light, geometry.direction, i);
     hn::Store(distance, d, geometry.distance_m.v + i);

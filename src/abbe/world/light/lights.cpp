@@ -111,7 +111,7 @@ double lamp_window(const WorldLight& light, double distance_m, double cosine) {
   const hwy::HWY_NAMESPACE::CappedTag<double, 1> d;
   using hwy::HWY_NAMESPACE::Set;
   return hwy::HWY_NAMESPACE::GetLane(
-      lanes::LampWindow(d, light, Set(d, distance_m), Set(d, cosine)));
+      lanes::WindowFromMiddle(d, light, Set(d, distance_m), Set(d, cosine)));
 }
 
 std::optional<StraightPath> straight_path(const WorldLight& light, const Vec3d& place) {

@@ -71,7 +71,7 @@ struct StraightPath {
 /// Absent where the lamp does not shine on the place.
 std::optional<StraightPath> straight_path(const WorldLight& light, const Vec3d& place);
 
-/// LampWindow of world/light/lights-inl.h in double precision.
+/// WindowFromMiddle of world/light/lights-inl.h in double precision.
 double lamp_window(const WorldLight& light, double distance_m, double cosine);
 
 /// A half-space normal·x ≤ distance.

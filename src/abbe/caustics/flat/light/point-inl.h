@@ -426,7 +426,7 @@ class PointChainLight {
     V irradiance =
         hn::Mul(hn::LoadU(d, tables_.row(light_.row, set_) + i), hn::Mul(power, shot.jacobian));
     const V cosine = Dot3(d, shot.directions[0], Set3(d, light_.direction));
-    irradiance = hn::Mul(irradiance, LampWindow(d, light_, path_m, cosine));
+    irradiance = hn::Mul(irradiance, WindowFromMiddle(d, light_, path_m, cosine));
     if (!chain_.media[count_]) irradiance = in_fog(irradiance, last_m);
     hn::Store(hn::IfThenElseZero(lit, irradiance), d, geometry.irradiance.v + i);
     const V3 arrives =

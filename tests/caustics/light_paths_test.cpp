@@ -222,6 +222,66 @@ TEST(LightPaths, without_room_for_all_paths_of_a_sun_the_faintest_are_left_out) 
   EXPECT_NEAR(few.by_body[0].no_room + few.by_body[1].no_room, few.share_no_room, 1e-9);
 }
 
+// Light that comes off a facet does not meet its back, nor what lies behind it.
+TEST(LightPaths, closed_mirror_is_as_closed_with_backs_as_without) {
+  const auto chains = [](bool has_backs) {
+    Scene scene;
+    Mesh ball;
+    constexpr std::uint32_t kRound = 24, kUp = 12;
+    for (std::uint32_t j = 0; j <= kUp; ++j) {
+      for (std::uint32_t i = 0; i < kRound; ++i) {
+        const double polar = kPi * j / kUp, turn = 2.0 * kPi * i / kRound;
+        ball.positions.emplace_back(0.3 * Vec3d(std::sin(polar) * std::cos(turn), std::cos(polar),
+                                                -std::sin(polar) * std::sin(turn)));
+        if (j == kUp) continue;
+        const std::uint32_t here = j * kRound + i, next = j * kRound + (i + 1) % kRound;
+        if (j > 0) ball.triangles.push_back({here, here + kRound, next});
+        if (j + 1 < kUp) ball.triangles.push_back({next, here + kRound, next + kRound});
+      }
+    }
+    Material silver = test::mirror("metal/Ag-Johnson");
+    silver.double_sided = has_backs;
+    test::add_mesh(scene, ball, test::add(scene, silver), Mat4d(1.0));
+    scene.lights.push_back(test::point_light({0.6, 2, 0.5}, 1.0));
+    const LitWorld world = test::make_world(scene, settings_of_line(16));
+    EXPECT_LT(world.caustics.report.share_cut, 1e-3);
+    return world.caustics.report.chains;
+  };
+  const std::size_t with_backs = chains(true), without = chains(false);
+  EXPECT_GT(without, 100u);
+  EXPECT_LE(with_backs, 2 * without);
+}
+
+// Two suns of which the paths of either would take all the room there is.
+TEST(LightPaths, suns_share_the_room_of_the_tables) {
+  Scene scene;
+  const std::uint32_t material = test::add(scene, test::glass("glass/schott/N-BK7"));
+  for (const double y : {0.0, 0.3}) {
+    test::add_box_mesh(scene, material, {0.5, 0.05, 0.5}, test::translation({0, y, 0}));
+  }
+  const RenderSettings settings = test::small_settings();
+  CausticOptions options = caustic_options(settings);
+  options.table_floats >>= 3;
+  const auto caustics = [&](int suns) {
+    scene.lights.assign(static_cast<std::size_t>(suns),
+                        test::directional_light({0.3, -1, 0.2}, 1.0));
+    Notes notes;
+    return make_lit_world(scene, world_options(settings), options, test::catalogue().observer(),
+                          test::catalogue().illuminant("illuminant/D65"), notes)
+        .caustics;
+  };
+  EXPECT_GT(caustics(1).report.share_no_room, 0.0);
+  const FlatCaustics two = caustics(2);
+  for (const std::size_t sun : {0, 1}) {
+    ASSERT_NE(two.of_light(sun), nullptr);
+    EXPECT_GT(two.of_light(sun)->parallel.size(), 0u);
+  }
+  const auto first = static_cast<double>(two.of_light(0)->parallel.size());
+  EXPECT_NEAR(static_cast<double>(two.of_light(1)->parallel.size()) / first, 1.0, 0.5);
+  EXPECT_LE(two.parallel.rows.size(), options.table_floats);
+  EXPECT_LT(two.report.share_no_room, 0.1);
+}
+
 TEST(LightPaths, what_chains_leave_out_is_told_by_body_and_reason) {
   // A lamp in the middle of a cube of index 1.5. What is farther than the critical angle from all
   // normals never gets out, and does not count. Of the rest each face lets out a cone, but for what

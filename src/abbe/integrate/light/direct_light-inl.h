@@ -380,9 +380,10 @@ class DirectLight {
   // bring little are followed at some of the samples of a pixel, each by chances of its own.
   float times_followed(const Fan& fan, std::uint32_t number, std::size_t chains,
                        float share) const {
-    if (chains < kManyChains || share >= kLittle || settings_.drop || settings_.cutoff == 0.0f) {
-      return 1.0f;
-    }
+    // What few wavelengths get is not to depend on each other.
+    const bool is_left_to_chance =
+        !settings_.drop && settings_.cutoff > 0.0f && !world_.lanes.are_followed_apart();
+    if (chains < kManyChains || share >= kLittle || !is_left_to_chance) return 1.0f;
     // Halves of it, so that sixteen samples hold as many of each chain as they should.
     float chance = 0.5f;
     while (chance > kLeastChance && share < chance * kLittle) chance *= 0.5f;

@@ -7,6 +7,13 @@ namespace abbe {
 namespace {
 
 constexpr std::uint32_t kNoFacet = std::numeric_limits<std::uint32_t>::max();
+// What places on a facet may be off by, in its radii.
+constexpr double kClose = 1e-6;
+
+// Whether facets that meet lie in one plane, seen from whichever side.
+bool is_in_plane(const Facet& a, const Facet& b) {
+  return std::abs(glm::dot(a.normal, b.normal)) > 1.0 - 1e-12;
+}
 
 }  // namespace
 
@@ -44,11 +51,16 @@ std::optional<FacetHit> Regions::first_hit(Region region, const Vec3d& origin,
       const Facet& facet = flat_.facets[side.facet];
       const double slope = glm::dot(facet.normal, direction);
       if (side.from_inside ? slope <= 0.0 : slope >= 0.0) continue;
-      const double t = (facet.distance - glm::dot(facet.normal, origin)) / slope;
+      const double ahead_m = facet.distance - glm::dot(facet.normal, origin);
+      const double t = ahead_m / slope;
       // What touches the facet it comes from is met there, but not the back of a mirror.
       const bool is_own = from != kNoFacet && flat_.facets[from].body == facet.body;
       const double least = (is_own ? 1e-9 : -1e-9) * facet.radius_m;
       if (!(t > least && t < hit.distance_m)) continue;
+      // Nor a plane that it has just left: its pieces, or its other side.
+      const bool is_left = is_own && std::abs(ahead_m) < kClose * facet.radius_m &&
+                           is_in_plane(facet, flat_.facets[from]);
+      if (is_left) continue;
       if (distance_inside(facet.corners, facet.normal, origin + t * direction) < 0.0) continue;
       hit = {side, t};
     }

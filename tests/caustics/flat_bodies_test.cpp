@@ -71,6 +71,14 @@ TEST(FlatBodies, open_mesh_is_left_to_straight_rays_with_one_warning) {
   expect_fallback(scene, "the box", "open");
 }
 
+TEST(FlatBodies, box_that_an_export_has_smoothed_is_left_to_straight_rays_with_one_warning) {
+  Scene scene = box_scene();
+  for (const Vec3f& corner : scene.meshes[0].positions) {
+    scene.meshes[0].normals.push_back(glm::normalize(corner));
+  }
+  expect_fallback(scene, "the box", "its normals make 6 flat faces look curved");
+}
+
 TEST(FlatBodies, mesh_that_meets_itself_is_left_to_straight_rays_with_one_warning) {
   // A second box in the same mesh, half inside the first.
   Scene scene = box_scene();

@@ -205,6 +205,18 @@ MeshOutcome mesh_outcome(const Mesh& mesh, const MeshFacets& mesh_facets, bool i
   return {std::move(facets), ""};
 }
 
+// Few flat faces with normals that turn between them are more often an export that smoothed a box
+// than a curved thing.
+void tell_if_few(const Mesh& mesh, const MeshFacets& mesh_facets, const FlatBody& body,
+                 std::vector<LeftOut>& left_out) {
+  constexpr std::size_t kFewFaces = 64;
+  if (mesh.triangles.size() > 2 * kFewFaces) return;
+  const std::size_t faces = mesh_facets.facets().size();
+  if (faces == 0 || faces > kFewFaces) return;
+  left_out.push_back({body.name, fmt::format("its normals make {} flat faces look curved", faces),
+                      body.is_mirror});
+}
+
 // Adds an instance if it is a flat body.
 void add_instance(const Scene& scene, std::uint32_t number, std::vector<LeftOut>& left_out,
                   std::vector<BodyFacets>& bodies) {
@@ -232,7 +244,10 @@ void add_instance(const Scene& scene, std::uint32_t number, std::vector<LeftOut>
     body.is_convex = true;
   } else {
     MeshFacets mesh_facets(*mesh, instance.to_world);
-    if (!mesh_facets.is_flat()) return;
+    if (!mesh_facets.is_flat()) {
+      tell_if_few(*mesh, mesh_facets, body, left_out);
+      return;
+    }
     if (outcome.trouble.empty()) {
       outcome = mesh_outcome(*mesh, mesh_facets, body.is_mirror);
       if (outcome.facets.empty() && outcome.trouble.empty()) return;

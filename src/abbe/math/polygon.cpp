@@ -147,6 +147,7 @@ std::vector<Vec3d> convex_hull(const std::vector<Vec3d>& points, const Vec3d& no
     std::reverse(flat.begin(), flat.end());
   }
   std::vector<Vec3d> result;
+  result.reserve(hull.size());
   for (const Flat& p : hull) result.push_back(points[p.index]);
   return result;
 }

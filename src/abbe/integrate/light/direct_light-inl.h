@@ -299,6 +299,7 @@ class DirectLight {
     ChainPlaces met;
     const float reach_m = radius_m + pixel.reach_m;
     const std::vector<ParallelChain>& chains = caustics_.parallel.chains;
+    const bool follows_all = follows_all_of(chains.size());
     const auto may = [&](std::uint32_t number, const Vec3f& place, float ball_m) {
       return may_light(chains[number], place, ball_m);
     };
@@ -306,7 +307,7 @@ class DirectLight {
       const ParallelChain& chain = chains[number];
       if (!may_light(chain, center, reach_m)) continue;
       if (!comes_in(chain.ends_in(), fan.media)) continue;
-      const float times = times_followed(fan, number, chains.size(), chain.weight);
+      const float times = follows_all ? 1.0f : times_followed(fan, number, chain.weight);
       if (times == 0.0f) continue;
       ParallelChainLight<D> light(world_, caustics_.parallel, chain, set);
       if (!light.run(hit.position, rounding_m, pixel, to_light, met)) continue;
@@ -329,6 +330,7 @@ class DirectLight {
     LightGeometry to_light;
     ChainPlaces met;
     const PointChains& all = caustics_.point;
+    const bool follows_all = follows_all_of(all.chains.size());
     const PointChainGroup* group = nullptr;
     PlaceInGroup place;
     LanesInGroup<D> places;  // Of a spread fan.
@@ -355,7 +357,7 @@ class DirectLight {
       } else if (!is_in_bounds(place, all, chain)) {
         continue;
       }
-      const float times = times_followed(fan, number, all.chains.size(), share_at(chain, center));
+      const float times = follows_all ? 1.0f : times_followed(fan, number, share_at(chain, center));
       if (times == 0.0f || misses_.hold(number, center, radius_m)) continue;
       PointChainLight<D> light(world_, all, chain, set);
       if (!light.run(hit.position, rounding_m, near, !fan.spread, to_light, met)) {
@@ -376,14 +378,17 @@ class DirectLight {
            static_cast<float>(glm::dot(on_path, on_path));
   }
 
+  // Few chains are followed at all samples, and all where nothing is left to chance; what few
+  // wavelengths get is not to depend on each other.
+  bool follows_all_of(std::size_t chains) const {
+    return chains < kManyChains || settings_.drop || settings_.cutoff == 0.0f ||
+           world_.lanes.are_followed_apart();
+  }
+
   // How often the light of a chain counts where it is followed now, or 0: of many chains those that
   // bring little are followed at some of the samples of a pixel, each by chances of its own.
-  float times_followed(const Fan& fan, std::uint32_t number, std::size_t chains,
-                       float share) const {
-    // What few wavelengths get is not to depend on each other.
-    const bool is_left_to_chance =
-        !settings_.drop && settings_.cutoff > 0.0f && !world_.lanes.are_followed_apart();
-    if (chains < kManyChains || share >= kLittle || !is_left_to_chance) return 1.0f;
+  float times_followed(const Fan& fan, std::uint32_t number, float share) const {
+    if (share >= kLittle) return 1.0f;
     // Halves of it, so that sixteen samples hold as many of each chain as they should.
     float chance = 0.5f;
     while (chance > kLeastChance && share < chance * kLittle) chance *= 0.5f;

@@ -270,6 +270,34 @@ TEST_F(GltfMesh, body_of_glass_inside_out_is_turned_with_one_line_that_names_it)
   EXPECT_THAT(notes.all()[0].text, HasSubstr("mesh \"gem\" is inside out: 1 of its 1 closed"));
 }
 
+TEST_F(GltfMesh, primitives_of_one_glass_are_one_closed_body) {
+  // A tetrahedron that faces inwards: three faces in one primitive, the fourth in another.
+  primitive()["attributes"]["POSITION"] =
+      add_accessor(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, "VEC3");
+  primitive()["indices"] =
+      add_accessor(std::vector<std::uint16_t>{0, 1, 2, 0, 3, 1, 0, 2, 3}, "SCALAR");
+  material();
+  document["meshes"][0]["primitives"].push_back(primitive());
+  document["meshes"][0]["primitives"][1]["indices"] =
+      add_accessor(std::vector<std::uint16_t>{1, 3, 2}, "SCALAR");
+  // Surfaces of something opaque are told apart by their primitives.
+  EXPECT_EQ(load().meshes.size(), 2u);
+  material()["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 1.0}};
+  material()["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 1.0}};
+  document["extensionsUsed"] = {"KHR_materials_transmission", "KHR_materials_volume"};
+  document.erase("buffers");
+  const Scene scene = load();
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  EXPECT_EQ(scene.instances.size(), 1u);
+  EXPECT_EQ(scene.meshes[0].triangles.size(), 4u);
+  EXPECT_THAT(notes_text(), HasSubstr("1 of its 1 closed"));
+  // With another attribute they are no one mesh.
+  document["meshes"][0]["primitives"][1]["attributes"]["NORMAL"] =
+      add_accessor(std::vector<float>{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+  document.erase("buffers");
+  EXPECT_EQ(load().meshes.size(), 2u);
+}
+
 TEST_F(GltfMesh, attribute_of_another_length_is_an_error) {
   primitive()["attributes"]["NORMAL"] = add_accessor(std::vector<float>{0, 0, 1}, "VEC3");
   EXPECT_THAT(error(), HasSubstr("/meshes/0/primitives/0/attributes/NORMAL"));

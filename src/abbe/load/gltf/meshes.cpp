@@ -306,4 +306,28 @@ std::optional<Mesh> read_primitive(Document& document, Accessors& accessors, int
   return result;
 }
 
+bool append_alike(const Mesh& mesh, Mesh& whole) {
+  const auto both = [](const auto& a, const auto& b) { return a.empty() == b.empty(); };
+  if (mesh.material != whole.material || mesh.joints != whole.joints ||
+      !both(mesh.normals, whole.normals) || !both(mesh.tangents, whole.tangents) ||
+      !both(mesh.uv[0], whole.uv[0]) || !both(mesh.uv[1], whole.uv[1]) ||
+      !both(mesh.colors_rec709, whole.colors_rec709)) {
+    return false;
+  }
+  const auto first = static_cast<std::uint32_t>(whole.positions.size());
+  const auto add = [](const auto& from, auto& to) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  add(mesh.positions, whole.positions);
+  add(mesh.normals, whole.normals);
+  add(mesh.tangents, whole.tangents);
+  for (int set = 0; set < 2; ++set) add(mesh.uv[set], whole.uv[set]);
+  add(mesh.colors_rec709, whole.colors_rec709);
+  for (std::array<std::uint32_t, 3> triangle : mesh.triangles) {
+    for (std::uint32_t& corner : triangle) corner += first;
+    whole.triangles.push_back(triangle);
+  }
+  return true;
+}
+
 }  // namespace abbe::gltf

@@ -24,6 +24,10 @@ struct Deformation {
 std::optional<Mesh> read_primitive(Document& document, Accessors& accessors, int mesh,
                                    std::size_t primitive, const Deformation& deformation);
 
+/// Adds the triangles of a mesh to another of the same material, if both have the same attributes
+/// and are moved by the same. False: they stay apart.
+bool append_alike(const Mesh& mesh, Mesh& whole);
+
 /// Drops triangles with a non-finite or unusably large corner and degenerate ones, then vertices
 /// that no triangle uses, and repairs normals, tangents, texture coordinates and colours; each
 /// repair is one note with a count.

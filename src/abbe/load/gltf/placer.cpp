@@ -111,19 +111,35 @@ const Placer::Converted& Placer::converted(const Use& use) {
                     "the mesh is not rendered");
   }
   const Deformation deformation{use.weights, use.skin < 0 ? nullptr : &posed_skin(use.skin)};
+  std::vector<Part> parts;
   for (std::size_t i = 0; i < source.primitives.size(); ++i) {
     std::optional<Mesh> read = read_primitive(document_, accessors_, mesh, i, deformation);
     if (!read) continue;
     read->material = material_index(material_of(document_, mesh, i, variant_));
-    warn_of_missing_uv(*read, fmt::format("/meshes/{}/primitives/{}", mesh, i));
-    turn_outward(*read, fmt::format("/meshes/{}/primitives/{}", mesh, i));
-    Group& group = read->joints > 0 ? result.skinned : result.rigid;
-    for (const Vec3f& position : read->positions) group.bounds.extend(position);
-    group.triangles += read->triangles.size();
+    const std::string pointer = fmt::format("/meshes/{}/primitives/{}", mesh, i);
+    warn_of_missing_uv(*read, pointer);
+    add_part(std::move(*read), pointer, parts);
+  }
+  for (Part& part : parts) {
+    turn_outward(part.mesh, part.pointer);
+    Group& group = part.mesh.joints > 0 ? result.skinned : result.rigid;
+    for (const Vec3f& position : part.mesh.positions) group.bounds.extend(position);
+    group.triangles += part.mesh.triangles.size();
     group.meshes.push_back(static_cast<std::uint32_t>(scene_.meshes.size()));
-    scene_.meshes.push_back(std::move(*read));
+    scene_.meshes.push_back(std::move(part.mesh));
   }
   return converted_.emplace(use, std::move(result)).first->second;
+}
+
+// Primitives may be parts of one boundary between media: only together they are closed, and say
+// what is inside.
+void Placer::add_part(Mesh mesh, const std::string& pointer, std::vector<Part>& parts) const {
+  if (scene_.materials[mesh.material].has_volume) {
+    for (Part& part : parts) {
+      if (append_alike(mesh, part.mesh)) return;
+    }
+  }
+  parts.push_back({std::move(mesh), pointer});
 }
 
 // glTF's default material is made when the first primitive without one appears.

@@ -56,6 +56,12 @@ class Placer {
     std::optional<Shape> shape;
   };
 
+  // A primitive of a mesh, or several that are one boundary.
+  struct Part {
+    Mesh mesh;
+    std::string pointer;  // To the first.
+  };
+
   // One geometry: a mesh of the file, and how it is deformed.
   struct Use {
     int mesh = -1;
@@ -71,6 +77,7 @@ class Placer {
   const Converted& converted(const Use& use);
   std::uint32_t material_index(int index);
   void warn_of_missing_uv(const Mesh& mesh, const std::string& pointer);
+  void add_part(Mesh mesh, const std::string& pointer, std::vector<Part>& parts) const;
   void turn_outward(Mesh& mesh, const std::string& pointer);
   void place_mesh(const PlacedNode& node, const std::string& pointer);
   void place_group(const Group& group, const Mat4d& to_world, const std::string& name,

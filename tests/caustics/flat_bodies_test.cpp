@@ -5,6 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "abbe/base/constants.h"
 #include "abbe/caustics/flat/bodies.h"
@@ -121,16 +126,140 @@ TEST(FlatBodies, mesh_of_too_many_facets_is_left_to_straight_rays_with_one_warni
   expect_fallback(scene, "the box", "more than 512");
 }
 
-TEST(FlatBodies, film_that_a_texture_shapes_leaves_glass_to_straight_rays) {
+// A texture of two texels.
+TextureUse add_texture(Scene& scene, std::vector<std::uint8_t> rgba) {
+  TextureImage image;
+  image.width = 2, image.height = 1;
+  image.rgba8 = SharedValues<std::uint8_t>(std::move(rgba));
+  scene.images.push_back(std::move(image));
+  Texture texture;
+  texture.image = static_cast<std::uint32_t>(scene.images.size() - 1);
+  scene.textures.push_back(texture);
+  TextureUse use;
+  use.texture = static_cast<std::uint32_t>(scene.textures.size() - 1);
+  return use;
+}
+
+// A box of a material, after `edit`.
+template <typename Edit>
+FlatBodies bodies_of(const Material& material, const Edit& edit) {
   Scene scene = box_scene();
-  ThinFilm film;
-  film.thickness_texture = TextureUse{};
-  scene.materials.front().film = film;
+  scene.materials.front() = material;
+  edit(scene, scene.materials.front());
   Notes notes;
-  const FlatBodies flat = find_flat_bodies(scene, notes);
-  EXPECT_TRUE(flat.bodies.empty());
+  return find_flat_bodies(scene, notes);
+}
+
+using Edit = std::function<void(Scene&, Material&)>;
+
+TEST(FlatBodies, what_does_nothing_to_a_material_leaves_light_exact) {
+  const std::vector<std::uint8_t> white(8, 255);
+  const std::vector<std::uint8_t> sharp{255, 0, 255, 255, 255, 0, 255, 255};
+  const std::vector<Edit> nothings{
+      [](Scene&, Material& m) { m.alpha_mode = AlphaMode::Blend; },
+      [](Scene&, Material& m) { m.alpha_mode = AlphaMode::Mask; },
+      [](Scene&, Material& m) { m.clearcoat = Clearcoat{}; },
+      [](Scene&, Material& m) { m.sheen = Sheen{}; },
+      [](Scene&, Material& m) { m.anisotropy = Anisotropy{}; },
+      [](Scene&, Material& m) { m.specular = SpecularPart{}; },
+      [](Scene&, Material& m) { m.diffuse_transmission = DiffuseTransmission{}; },
+      [&](Scene& s, Material& m) { m.base_color_texture = add_texture(s, white); },
+      [&](Scene& s, Material& m) { m.transmission_texture = add_texture(s, white); },
+      [&](Scene& s, Material& m) { m.metallic_roughness_texture = add_texture(s, sharp); },
+      [&](Scene& s, Material& m) {
+        m.roughness = 1.0f;
+        m.metallic_roughness_texture = add_texture(s, sharp);
+      },
+      [](Scene& s, Material&) {
+        s.meshes[0].colors_rec709.assign(s.meshes[0].positions.size(), Vec4f(1.0f));
+      },
+  };
+  for (std::size_t i = 0; i < nothings.size(); ++i) {
+    for (const Material& material : {test::glass(1.5), test::mirror("metal/Ag")}) {
+      const FlatBodies flat = bodies_of(material, nothings[i]);
+      EXPECT_EQ(flat.bodies.size(), 1u) << i;
+      EXPECT_TRUE(flat.fallbacks.empty()) << i;
+    }
+  }
+  const FlatBodies flat = bodies_of(test::mirror("metal/Ag"), [](Scene&, Material& m) {
+    m.specular.emplace().factor = 0.5f;  // A metal has none.
+  });
+  EXPECT_EQ(flat.bodies.size(), 1u);
+}
+
+TEST(FlatBodies, what_paths_do_not_know_leaves_light_straight_and_is_named) {
+  const std::vector<std::uint8_t> red{255, 0, 0, 255, 255, 255, 255, 255};
+  const std::vector<std::uint8_t> holes{255, 255, 255, 0, 255, 255, 255, 255};
+  struct Trouble {
+    Edit edit;
+    std::string why;
+    bool is_of_mirrors = true;
+  };
+  const std::vector<Trouble> troubles{
+      {[](Scene&, Material& m) {
+         m.alpha_mode = AlphaMode::Blend;
+         m.base_color_rec709.w = 0.5f;
+       },
+       "alpha"},
+      {[&](Scene& s, Material& m) {
+         m.alpha_mode = AlphaMode::Mask;
+         m.base_color_texture = add_texture(s, holes);
+       },
+       "alpha"},
+      {[](Scene& s, Material& m) {
+         m.alpha_mode = AlphaMode::Blend;
+         s.meshes[0].colors_rec709.assign(s.meshes[0].positions.size(), Vec4f(1, 1, 1, 0.5f));
+       },
+       "alpha"},
+      {[&](Scene& s, Material& m) { m.base_color_texture = add_texture(s, red); }, "colours"},
+      {[](Scene& s, Material&) {
+         s.meshes[0].colors_rec709.assign(s.meshes[0].positions.size(), Vec4f(1, 0, 0, 1));
+       },
+       "vertices"},
+      {[&](Scene& s, Material& m) { m.normal_texture = add_texture(s, red); }, "normal map"},
+      {[&](Scene& s, Material& m) { m.film.emplace().thickness_texture = add_texture(s, red); },
+       "film"},
+      {[](Scene&, Material& m) { m.clearcoat.emplace().factor = 0.1f; }, "clearcoat"},
+      {[](Scene&, Material& m) { m.sheen.emplace().color_rec709 = Vec3f(0.1f); }, "sheen"},
+      {[](Scene&, Material& m) { m.anisotropy.emplace().strength = 0.5f; }, "rough along"},
+      {[](Scene&, Material& m) { m.specular.emplace().factor = 0.5f; }, "specular", false},
+      {[](Scene&, Material& m) { m.diffuse_transmission.emplace().factor = 0.1f; },
+       "diffuse_transmission", false},
+      {[](Scene&, Material& m) { m.metallic = 0.1f; }, "metallicFactor 0.1", false},
+      {[](Scene&, Material& m) { m.transmission = 0.9f; }, "transmissionFactor 0.9", false},
+      {[&](Scene& s, Material& m) {
+         m.transmission_texture = add_texture(s, {0, 0, 0, 255, 255, 255, 255, 255});
+       },
+       "lets light through", false},
+  };
+  for (const Trouble& trouble : troubles) {
+    for (const Material& material : {test::glass(1.5), test::mirror("metal/Ag")}) {
+      if (material.conductor && !trouble.is_of_mirrors) continue;
+      const FlatBodies flat = bodies_of(material, trouble.edit);
+      EXPECT_TRUE(flat.bodies.empty()) << trouble.why;
+      ASSERT_EQ(flat.fallbacks.size(), 1u) << trouble.why;
+      EXPECT_THAT(flat.fallbacks[0], HasSubstr(trouble.why));
+    }
+  }
+  // A metal by RGB, of which a part is none.
+  Material partly = test::glass(1.5);
+  partly.has_volume = false;
+  partly.transmission = 0.0f;
+  partly.metallic = 0.9f;
+  const FlatBodies flat = bodies_of(partly, [](Scene&, Material&) {});
   ASSERT_EQ(flat.fallbacks.size(), 1u);
-  EXPECT_THAT(flat.fallbacks[0], HasSubstr("film"));
+  EXPECT_THAT(flat.fallbacks[0], HasSubstr("metallicFactor 0.9"));
+}
+
+TEST(FlatBodies, triangle_that_is_there_twice_opens_no_mesh) {
+  Scene scene = box_scene();
+  auto& triangles = scene.meshes.front().triangles;
+  const auto& t = triangles.front();
+  triangles.push_back({t[1], t[2], t[0]});
+  Notes notes;
+  const LitWorld world = world_of(scene, notes, 16);
+  EXPECT_TRUE(notes.all().empty());
+  EXPECT_EQ(world.caustics.flat.faces.size(), 6u);
 }
 
 // Two boxes of glass, the second moved from the first.

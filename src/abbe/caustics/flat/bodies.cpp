@@ -10,31 +10,13 @@
 #include <utility>
 
 #include "abbe/caustics/flat/arrangement.h"
+#include "abbe/caustics/flat/flat_material.h"
 #include "abbe/caustics/flat/inclusions.h"
 #include "abbe/caustics/flat/mesh_facets.h"
 #include "abbe/math/polygon.h"
 
 namespace abbe {
 namespace {
-
-enum class Kind { None, Glass, Mirror };
-
-Kind kind_of(const Material& material) {
-  const bool plain = !material.base_color_texture && !material.metallic_roughness_texture &&
-                     !material.normal_texture && !material.transmission_texture &&
-                     !material.glossiness_texture && !material.clearcoat && !material.sheen &&
-                     !material.anisotropy &&
-                     (!material.specular || material.specular->is_plain()) &&
-                     !material.diffuse_transmission && material.alpha_mode == AlphaMode::Opaque &&
-                     !material.unlit && material.roughness < kSmoothRoughness;
-  if (!plain) return Kind::None;
-  if (material.metallic == 1.0f || material.conductor) return Kind::Mirror;
-  if (material.metallic == 0.0f && material.has_volume && material.transmission == 1.0f &&
-      !material.index_is_infinite) {
-    return Kind::Glass;
-  }
-  return Kind::None;
-}
 
 // A ball about the corners of some facets, for what has a centre and a radius.
 template <typename Bounded>
@@ -97,11 +79,6 @@ void tell(const std::vector<LeftOut>& left_out, bool of_mirrors, Notes& notes) {
                            : "light through it goes straight: ") +
                    body.why);
   }
-}
-
-bool has_textured_film(const Material& material) {
-  return material.film && material.film->factor > 0.0f &&
-         (material.film->factor_texture || material.film->thickness_texture);
 }
 
 std::vector<Facet> facets_of(const ConvexShape& shape, const Mat4d& to_world) {
@@ -200,7 +177,8 @@ MeshOutcome mesh_outcome(const Mesh& mesh, const MeshFacets& mesh_facets, bool i
     return {{}, fmt::format("it has {} facets, more than {}", facets.size(), kMaxFacets)};
   }
   if (is_mirror || facets.empty()) return {std::move(facets), ""};
-  if (!mesh_facets.is_closed()) return {{}, "its mesh is open"};
+  if (!mesh_facets.is_closed())
+    return {{}, "its mesh is open, or has edges that do not meet corner to corner"};
   if (meets_itself(facets)) return {{}, "its mesh meets itself"};
   return {std::move(facets), ""};
 }
@@ -230,13 +208,13 @@ void add_instance(const Scene& scene, std::uint32_t number, std::vector<LeftOut>
   body.instance = number;
   body.material = mesh != nullptr ? mesh->material : shape->material;
   const Material& material = scene.materials[body.material];
-  const Kind kind = kind_of(material);
-  if (kind == Kind::None) return;
-  body.is_mirror = kind == Kind::Mirror;
+  const FlatMaterial flat = flat_material(scene, material, mesh);
+  if (flat.kind == FlatMaterial::Kind::None) return;
+  body.is_mirror = flat.kind == FlatMaterial::Kind::Mirror;
   body.is_front_only = mesh != nullptr && material.is_front_only();
   body.priority = material.priority;
   MeshOutcome outcome;
-  if (has_textured_film(material)) outcome.trouble = "a texture shapes its thin film";
+  outcome.trouble = flat.trouble;
   if (shape != nullptr) {
     const auto* convex = std::get_if<ConvexShape>(&shape->geometry);
     if (convex == nullptr) return;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "abbe/math/polygon.h"
@@ -60,7 +61,10 @@ MeshFacets::MeshFacets(const Mesh& mesh, const Mat4d& to_world) : mesh_(mesh) {
     rounding_m_.push_back(rounding_m(corner, to_world));
   }
   triangles_ = std::move(welded.triangles);
-  if (triangles_.size() <= kFewTriangles && !is_closed()) join_close_corners();
+  if (triangles_.size() <= kFewTriangles && !is_closed()) {
+    join_close_corners();
+    drop_doubles();
+  }
   if (glm::determinant(Mat3d(to_world)) >= 0.0) return;
   for (auto& t : triangles_) std::swap(t[1], t[2]);
 }
@@ -85,6 +89,15 @@ void MeshFacets::join_close_corners() {
   std::erase_if(triangles_, [&](std::array<std::uint32_t, 3>& t) {
     for (std::uint32_t& corner : t) corner = joined[corner];
     return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+  });
+}
+
+// A triangle that is there twice is there.
+void MeshFacets::drop_doubles() {
+  std::set<std::array<std::uint32_t, 3>> known;
+  std::erase_if(triangles_, [&](std::array<std::uint32_t, 3> t) {
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    return !known.insert(t).second;
   });
 }
 

@@ -35,6 +35,7 @@ class MeshFacets {
   };
 
   void join_close_corners();
+  void drop_doubles();
   Vec3d area_of_triangle(std::size_t triangle) const;  ///< Along its normal, twice its area.
   std::vector<std::array<std::size_t, 3>> neighbours() const;
   std::vector<std::vector<std::size_t>> groups() const;

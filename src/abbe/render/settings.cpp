@@ -109,7 +109,8 @@ void check_settings(const RenderSettings& settings) {
   check_range("samples_per_pixel", settings.samples_per_pixel, 1, 1 << 20);
   check_range("max_depth", settings.max_depth, 0, 1000);
   check_range("cutoff", settings.cutoff, 0.0, 1.0);
-  check_range("inner_reflections", settings.inner_reflections, 0, 20);
+  check_range("inner_reflections", settings.inner_reflections, 0,
+              CausticOptions::kMostInnerReflections);
   check_range("threads", settings.threads, 0, 4096);
   check_range("cluster_lanes", settings.cluster_lanes, 0, kMaxLanes);
   check_wavelengths(settings);

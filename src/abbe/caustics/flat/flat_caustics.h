@@ -18,7 +18,8 @@ namespace abbe {
 /// How light is followed over facets.
 struct CausticOptions {
   bool exact = true;           ///< Otherwise straight shadow rays everywhere.
-  int inner_reflections = 16;  ///< Most of them on one chain.
+  static constexpr int kMostInnerReflections = 20;
+  int inner_reflections = 16;  ///< Most of them on one chain, at most those.
   double cutoff = 1e-4;        ///< Chains whose weight stays below this are cut.
   /// What the tables of all chains of parallel light may hold, floats: 256 MiB. Of chains for which
   /// there is no room those with least light are left out.

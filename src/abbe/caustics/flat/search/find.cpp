@@ -59,15 +59,16 @@ FoundChains find_chains(const Scene& scene, const ChainSearch& search) {
 
 // Says how much light is left out, and why, if it is worth a word.
 void tell(const FoundChains& found, const CausticOptions& options, Notes& notes) {
-  constexpr double kWorthAWord = 0.02;
+  constexpr double kWorthAWord = 0.01;
   if (!(found.share_cut > kWorthAWord)) return;
   const double faint = found.share_cut - found.share_too_long - found.share_no_room;
+  const bool is_most = options.inner_reflections >= CausticOptions::kMostInnerReflections;
   std::string text = fmt::format(
       "{:.1f} % of the light of lamps on flat glass and mirrors is left out: {:.1f} % takes paths "
-      "with more than {} reflections (--chain takes more), {:.1f} % faint ones (a smaller --cutoff "
+      "with more than {} reflections{}, {:.1f} % faint ones (a smaller --cutoff "
       "takes more)",
       100.0 * found.share_cut, 100.0 * found.share_too_long, options.inner_reflections,
-      100.0 * faint);
+      is_most ? "" : " (--chain takes more)", 100.0 * faint);
   if (found.share_no_room > 0.0) {
     text += fmt::format(", {:.1f} % the faintest of too many paths of parallel light",
                         100.0 * found.share_no_room);

@@ -29,6 +29,7 @@ void IntegratorStats::add(const IntegratorStats& other) {
   }
   peak_queued_fans = std::max(peak_queued_fans, other.peak_queued_fans);
   peak_queue_bytes = std::max(peak_queue_bytes, other.peak_queue_bytes);
+  bent_light_seconds += other.bent_light_seconds;
   weight_started += other.weight_started;
   weight_lost_to_depth += other.weight_lost_to_depth;
   weight_lost_to_cutoff += other.weight_lost_to_cutoff;

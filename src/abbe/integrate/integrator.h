@@ -107,6 +107,9 @@ struct IntegratorStats {
   std::array<std::uint64_t, kDepths> spread_fans_at{}, spread_lanes_at{};
   std::uint64_t peak_queued_fans = 0;
   std::uint64_t peak_queue_bytes = 0;
+  /// Thread time that paths of lamps' light over flat glass and mirrors took: where that light is
+  /// found, not what stands on its way.
+  double bent_light_seconds = 0.0;
   double weight_started = 0.0;         ///< Sum of the camera fans' weights.
   double weight_lost_to_depth = 0.0;   ///< Weight of children not followed at the depth limit.
   double weight_lost_to_cutoff = 0.0;  ///< With `drop`: weight of fans ended.

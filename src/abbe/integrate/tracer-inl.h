@@ -49,7 +49,7 @@ class Tracer {
         b_(buffers),
         recorder_(world, samples, results.records),
         shadows_(world, samples, stats, buffers.shadows, recorder_),
-        lamps_(world, settings, samples, shadows_, buffers.misses),
+        lamps_(world, settings, samples, shadows_, buffers.misses, stats),
         fog_(world, samples, shadows_, buffers.misses),
         stride_(world.lanes.lane_stride()),
         found_(world, buffers),

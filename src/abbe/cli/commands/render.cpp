@@ -96,6 +96,18 @@ double settle_exposure(RenderArguments& arguments, const PreparedScene& prepared
   return of_scene;
 }
 
+// Says so where finding bent light took most of the time.
+void tell_cost(const RenderResult& result, int threads, const Console& console) {
+  constexpr double kMost = 0.75, kNoticed_s = 1.0;
+  const double seconds = result.stats.bent_light_seconds / threads;
+  if (!(seconds > kMost * result.seconds && seconds > kNoticed_s)) return;
+  console.say(
+      fmt::format("note: the paths of light over flat glass and mirrors took {:.1f} of {:.1f} s: "
+                  "--chain with a small number leaves out inner reflections, --caustics off sends "
+                  "all of it straight",
+                  seconds, result.seconds));
+}
+
 std::string summary(const RenderArguments& arguments, const RenderResult& result,
                     const RenderTimes& times) {
   std::string text = fmt::format("{} in {:.1f} s, {:.3g} million rays/s",
@@ -182,13 +194,14 @@ ExitCode render_one(RenderArguments& arguments, Shared& shared) {
                developed_picture(film, world, prepared, std::move(attributes), result.complete));
   times.write_seconds = seconds_since(write_start);
   times.total_seconds = seconds_since(start);
+  const auto threads_used = static_cast<int>(oneapi::tbb::global_control::active_value(
+      oneapi::tbb::global_control::max_allowed_parallelism));
   if (!arguments.stats_file.empty()) {
-    const auto threads_used = static_cast<int>(oneapi::tbb::global_control::active_value(
-        oneapi::tbb::global_control::max_allowed_parallelism));
     write_text(arguments.stats_file,
                stats_json(world, film, result, times, threads_used).dump(2) + "\n");
   }
   console.say(summary(arguments, result, times));
+  tell_cost(result, threads_used, console);
   return result.complete ? ExitCode::Done : ExitCode::Interrupted;
 }
 

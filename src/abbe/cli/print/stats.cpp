@@ -39,6 +39,7 @@ nlohmann::json stats_json(const LitWorld& world, const Film& film, const RenderR
                      {"render", times.render_seconds},
                      {"write", times.write_seconds},
                      {"total", times.total_seconds}};
+  json["seconds"]["bent_light"] = stats.bent_light_seconds / threads;
   json["threads"] = threads;
   json["accelerator"] = world.accelerator->name();
   json["rays"] = {{"camera", stats.camera_rays},

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -35,13 +36,15 @@ template <class D>
 class DirectLight {
  public:
   DirectLight(const LitWorld& world, const IntegratorSettings& settings,
-              std::span<const CameraSample> samples, ShadowQueue<D>& shadows, KnownMisses& misses)
+              std::span<const CameraSample> samples, ShadowQueue<D>& shadows, KnownMisses& misses,
+              IntegratorStats& stats)
       : world_(world),
         caustics_(world.caustics),
         settings_(settings),
         samples_(samples),
         shadows_(shadows),
         misses_(misses),
+        stats_(stats),
         rays_may_bend_((world.visibility_bits & passing_bits(AtGlass::Passes)) != 0),
         stride_(world.lanes.lane_stride()) {
     misses_.start(caustics_.point.chains.size());
@@ -77,8 +80,7 @@ class DirectLight {
     }
     if (world_.environment) send_environment(surface, to_light);
     if (world_.emitters) send_emitters(surface, to_light);
-    send_parallel_chains(surface);
-    send_point_chains(surface);
+    send_bent(surface);
   }
 
  private:
@@ -319,6 +321,16 @@ class DirectLight {
     }
   }
 
+  // Light that comes over flat glass and mirrors, and how long that takes to find.
+  void send_bent(const LitSurface& surface) {
+    if (caustics_.parallel.chains.empty() && caustics_.point.chains.empty()) return;
+    const auto start = std::chrono::steady_clock::now();
+    send_parallel_chains(surface);
+    send_point_chains(surface);
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    stats_.bent_light_seconds += elapsed.count();
+  }
+
   void send_point_chains(const LitSurface& surface) {
     if (caustics_.point.chains.empty()) return;
     const Fan& fan = surface.where.fan;
@@ -480,6 +492,7 @@ class DirectLight {
   std::span<const CameraSample> samples_;
   ShadowQueue<D>& shadows_;
   KnownMisses& misses_;
+  IntegratorStats& stats_;
   const bool rays_may_bend_;
   const int stride_;
 };

@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <map>
 
@@ -201,6 +203,51 @@ TEST(Raster, read_of_a_missing_or_broken_file_is_an_input_error) {
     } catch (const Error& error) {
       EXPECT_EQ(error.detail().kind, ErrorKind::Input);
       EXPECT_THAT(error.what(), HasSubstr(name));
+    }
+  }
+}
+
+// Two rows of three grey pixels, 2^-7 times 1 to 6, after lines of a header.
+void write_radiance(const std::filesystem::path& file, const std::string& lines,
+                    const std::string& resolution) {
+  std::ofstream out(file, std::ios::binary);
+  out << "#?RADIANCE\n" << lines << "FORMAT=32-bit_rle_rgbe\n\n" << resolution << "\n";
+  for (int i = 1; i <= 6; ++i) {
+    for (const int byte : {i, i, i, 129}) out.put(static_cast<char>(byte));
+  }
+}
+
+TEST(Raster, radiance_header_says_how_rows_lie_and_what_was_multiplied) {
+  const TemporaryFolder folder;
+  const auto grey = [&](const std::string& lines, const std::string& resolution) {
+    write_radiance(folder / "a.hdr", lines, resolution);
+    const Image read = read_raster(folder / "a.hdr");
+    std::vector<float> values;
+    // Half a step is added to codes when they are read.
+    for (std::size_t p = 0; p < 6; ++p) values.push_back(std::floor(128.0f * read.pixels[3 * p]));
+    return values;
+  };
+  EXPECT_THAT(grey("", "-Y 2 +X 3"), ElementsAre(1, 2, 3, 4, 5, 6));
+  EXPECT_THAT(grey("", "+Y 2 +X 3"), ElementsAre(4, 5, 6, 1, 2, 3));
+  EXPECT_THAT(grey("", "-Y 2 -X 3"), ElementsAre(3, 2, 1, 6, 5, 4));
+  EXPECT_THAT(grey("", "+Y 2 -X 3"), ElementsAre(6, 5, 4, 3, 2, 1));
+  EXPECT_THAT(grey("EXPOSURE=0.5\nEXPOSURE= 0.5\n", "-Y 2 +X 3")[0],
+              testing::AllOf(testing::Ge(4.0f), testing::Lt(8.0f)));
+  write_radiance(folder / "a.hdr", "EXPOSURE=0.5\n", "-Y 2 +X 3");
+  write_radiance(folder / "b.hdr", "COLORCORR=0.5 1 2\n", "-Y 2 +X 3");
+  const Image whole = read_raster(folder / "a.hdr"), colors = read_raster(folder / "b.hdr");
+  EXPECT_EQ(colors.pixels[0], whole.pixels[0]);
+  EXPECT_EQ(colors.pixels[1], 0.5f * whole.pixels[1]);
+  EXPECT_EQ(colors.pixels[2], 0.25f * whole.pixels[2]);
+  for (const auto& [lines, resolution, found] :
+       {std::array{"", "+X 3 -Y 2", "in columns"},
+        std::array{"EXPOSURE=0\n", "-Y 2 +X 3", "an exposure of 0"}}) {
+    write_radiance(folder / "a.hdr", lines, resolution);
+    try {
+      read_raster(folder / "a.hdr");
+      ADD_FAILURE() << lines << resolution;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(found));
     }
   }
 }

@@ -43,7 +43,9 @@ struct DecodedTexture {
 /// pixels, checked on the header before any allocation. Errors: input Error at `where`.
 DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::string& where);
 
-/// Any image OpenImageIO reads, as floats. Errors: input Error.
+/// Any image OpenImageIO reads, as floats; a Radiance file (.hdr) as its header says its rows lie
+/// and divided by its EXPOSURE and COLORCORR. Errors: input Error; also for a Radiance file whose
+/// pixels follow each other in columns.
 Image read_raster(const std::filesystem::path& file);
 
 /// Whether the pixels of such a file are whole numbers, as a rule display codes. Errors: as above.

@@ -1,8 +1,15 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <locale>
 #include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "abbe/base/error.h"
 #include "abbe/image/raster/raster.h"
@@ -138,6 +145,70 @@ DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::st
   return texture;
 }
 
+namespace {
+
+// The numbers after a key in the header of a Radiance file, which ends with an empty line.
+std::vector<double> radiance_numbers(const std::filesystem::path& file, const std::string& key) {
+  std::ifstream in(file, std::ios::binary);
+  std::vector<double> numbers;
+  for (std::string line; std::getline(in, line) && !line.empty() && line != "\r";) {
+    if (!line.starts_with(key)) continue;
+    std::istringstream text(line.substr(key.size()));
+    text.imbue(std::locale::classic());
+    for (double number = 0.0; text >> number;) numbers.push_back(number);
+  }
+  return numbers;
+}
+
+// A Radiance file says in which order its pixels are and what they have been multiplied by: of
+// several lines, by all of them. Source: Ward, Radiance file formats, "Picture".
+void apply_radiance_header(const std::filesystem::path& file, int orientation, Image& image) {
+  if (orientation > 4) {
+    throw_input_error(file.string(), "pixels in columns (a resolution of \"X ... Y ...\")",
+                      "pixels in rows: \"-Y N +X M\" or another one with Y first");
+  }
+  const auto height = static_cast<std::size_t>(image.height);
+  const std::size_t channels = image.channel_count();
+  const std::size_t row = static_cast<std::size_t>(image.width) * channels;
+  const bool is_upside_down = orientation == 3 || orientation == 4;
+  const bool is_reversed = orientation == 2 || orientation == 3;
+  const auto at = [&](std::size_t y) {
+    return image.pixels.begin() + static_cast<std::ptrdiff_t>(y * row);
+  };
+  for (std::size_t y = 0; is_upside_down && y < height / 2; ++y) {
+    std::swap_ranges(at(y), at(y) + static_cast<std::ptrdiff_t>(row), at(height - 1 - y));
+  }
+  for (std::size_t y = 0; is_reversed && y < height; ++y) {
+    for (std::size_t left = 0, right = row - channels; left < right;
+         left += channels, right -= channels) {
+      std::swap_ranges(at(y) + static_cast<std::ptrdiff_t>(left),
+                       at(y) + static_cast<std::ptrdiff_t>(left + channels),
+                       at(y) + static_cast<std::ptrdiff_t>(right));
+    }
+  }
+  std::vector<double> factors(channels, 1.0);
+  const auto multiply = [&](double number, double& factor) {
+    if (!(number > 0.0) || !std::isfinite(number)) {
+      throw_input_error(file.string(), fmt::format("an exposure of {:g}", number),
+                        "a number above 0");
+    }
+    factor *= number;
+  };
+  for (const double exposure : radiance_numbers(file, "EXPOSURE=")) {
+    for (double& factor : factors) multiply(exposure, factor);
+  }
+  const std::vector<double> of_colors = radiance_numbers(file, "COLORCORR=");
+  for (std::size_t i = 0; channels == 3 && i < of_colors.size(); ++i) {
+    multiply(of_colors[i], factors[i % 3]);
+  }
+  if (std::all_of(factors.begin(), factors.end(), [](double f) { return f == 1.0; })) return;
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    image.pixels[i] = static_cast<float>(image.pixels[i] / factors[i % channels]);
+  }
+}
+
+}  // namespace
+
 Image read_raster(const std::filesystem::path& file) {
   const auto input = open_raster(file);
   const OIIO::ImageSpec& spec = input->spec();
@@ -150,6 +221,9 @@ Image read_raster(const std::filesystem::path& file) {
   image.pixels.resize(pixels * image.channel_count());
   if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data())) {
     reject_raster(file, first_line(input->geterror()));
+  }
+  if (std::string(input->format_name()) == "hdr") {
+    apply_radiance_header(file, spec.get_int_attribute("Orientation", 1), image);
   }
   return image;
 }

@@ -225,6 +225,25 @@ TEST_F(GltfMotion, channel_that_moves_no_node_is_skipped_and_keeps_its_number) {
   EXPECT_THAT(error(), HasSubstr("/animations/0/channels/1/sampler: found 1"));
 }
 
+TEST_F(GltfMotion, channel_of_a_pointer_is_told_of_whether_its_extension_is_named_or_not) {
+  animate(0, "translation", {1}, Floats{1, 0, 0}, "VEC3", "LINEAR");
+  const Json pointer = {{"sampler", 0}, {"target", {{"path", "pointer"}}}};
+  document["animations"][0]["channels"].push_back(pointer);
+  document["animations"][0]["channels"].push_back(pointer);
+  const auto count = [&] {
+    load();
+    const std::string text = notes_text(),
+                      line = "extension KHR_animation_pointer is not supported";
+    std::size_t found = 0;
+    for (std::size_t i = text.find(line); i != std::string::npos; i = text.find(line, i + 1))
+      ++found;
+    return found;
+  };
+  EXPECT_EQ(count(), 1u);
+  document["extensionsUsed"] = {"KHR_animation_pointer"};
+  EXPECT_EQ(count(), 1u);
+}
+
 TEST_F(GltfMotion, morph_targets_add_their_share_at_rest) {
   add_targets({{0, 0, 2, 0, 0, 0, 0, 0, 0}, {0, 0, 0, 1, 0, 0, 0, 0, 0}});
   document["meshes"][0]["weights"] = {0.5, 0};

@@ -159,9 +159,28 @@ void apply(const std::string& path, std::vector<double> value, NodePose& pose) {
   }
 }
 
+// A file that names the extension has been warned of already.
+void warn_of_pointers(Document& document) {
+  constexpr const char* kExtension = "KHR_animation_pointer";
+  const auto& used = document.model().extensionsUsed;
+  if (std::find(used.begin(), used.end(), kExtension) != used.end()) return;
+  const auto& animations = document.model().animations;
+  for (std::size_t a = 0; a < animations.size(); ++a) {
+    const auto& channels = animations[a].channels;
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+      if (channels[c].target_path != "pointer") continue;
+      document.notes().warn(
+          document.where(fmt::format("/animations/{}/channels/{}/target/path", a, c)),
+          fmt::format("extension {} is not supported; ignored", kExtension));
+      return;
+    }
+  }
+}
+
 }  // namespace
 
-void check_animations(const Document& document) {
+void check_animations(Document& document) {
+  warn_of_pointers(document);
   const auto& animations = document.model().animations;
   for (std::size_t a = 0; a < animations.size(); ++a) {
     const std::size_t samplers = animations[a].samplers.size();

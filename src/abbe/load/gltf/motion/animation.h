@@ -24,7 +24,7 @@ struct NodePose {
 using Pose = std::map<int, NodePose>;
 
 /// Checks that channels name samplers of their animation. Errors: input Error at the channel.
-void check_animations(const Document& document);
+void check_animations(Document& document);
 
 /// Names ("animation 2" for one without) and lengths, in file order. Without a `max` of its times
 /// an animation's length is read from them.

@@ -1,6 +1,7 @@
 /// Animated scenes: one time, and sequences of frames.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "abbe/image/exr/exr.h"
@@ -87,6 +88,51 @@ TEST_F(MotionTest, frames_are_files_of_their_own) {
     return read_exr(file(name)).attributes.at("abbe:exposure");
   };
   EXPECT_EQ(exposure_of("f.009.exr"), exposure_of("f.011.exr"));
+}
+
+// The camera turns half round about a white ball between frames 0 and 1: its studio stays.
+TEST_F(MotionTest, frames_are_lit_by_what_was_chosen_for_the_first) {
+  json scene = json::parse(moving_ball());
+  scene["nodes"][0]["children"] = {1};
+  scene["nodes"][1]["translation"] = {0, 0, 5};
+  scene["materials"] = {{{"pbrMetallicRoughness", {{"metallicFactor", 0}}}}};
+  scene["scenes"][0]["nodes"] = {0, 2};
+  scene["nodes"].push_back({{"mesh", 0}});
+  scene["nodes"][0].erase("mesh");
+  // Of the ball's way: to (0, 1, 0) as the last three of four numbers, half a turn.
+  scene["animations"][0]["samplers"][0]["output"] = 3;
+  scene["animations"][0]["channels"][0]["target"]["path"] = "rotation";
+  scene["accessors"].push_back(
+      {{"bufferView", 3}, {"componentType", 5126}, {"count", 2}, {"type", "VEC4"}});
+  scene["bufferViews"].push_back({{"buffer", 1}, {"byteLength", 32}});
+  // 0, 0, 0, 1 and 0, 1, 0, 0.
+  scene["buffers"].push_back(
+      {{"byteLength", 32},
+       {"uri",
+        "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAIA/AAAAAAAAAAA="}});
+  write("turn.gltf", scene.dump());
+  const auto render = [&](const Arguments& more) {
+    Arguments all{"render", "turn.gltf", "--size", "4x1", "--spp", "64"};
+    all.insert(all.end(), more.begin(), more.end());
+    return abbe(all);
+  };
+  const Outcome run = render({"-o", "f.#.exr", "--frames", "0:1", "--fps", "0.5"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string note = "lit by a studio";
+  EXPECT_THAT(run.err, HasSubstr("as at 0 s, in all frames"));
+  EXPECT_EQ(run.err.find(note), run.err.rfind(note)) << run.err;
+  const auto brightest = [&](const char* name) {
+    const Image image = read_exr(file(name));
+    return *std::max_element(image.pixels.begin(), image.pixels.end());
+  };
+  // From behind, the ball shows the side that the key light does not reach.
+  EXPECT_LT(brightest("f.1.exr"), 0.8f * brightest("f.0.exr"));
+  const Outcome again = abbe({"inspect", "f.1.exr"});
+  EXPECT_THAT(again.out, HasSubstr("--rig-time 0"));
+  ASSERT_EQ(render({"-o", "t.exr", "--time", "2", "--rig-time", "0"}).exit_code, 0);
+  EXPECT_EQ(read_exr(file("f.1.exr")).pixels, read_exr(file("t.exr")).pixels);
+  ASSERT_EQ(render({"-o", "own.exr", "--time", "2"}).exit_code, 0);
+  EXPECT_GT(brightest("own.exr"), 1.2f * brightest("f.1.exr"));
 }
 
 TEST_F(MotionTest, sequences_that_cannot_be_are_usage_errors) {

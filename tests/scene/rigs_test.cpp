@@ -214,5 +214,21 @@ TEST(surface_finder, finds_the_nearest_side_that_counts) {
   EXPECT_FALSE(finder.first({-5, 3, 0}, {1, 0, 0}, 0.0, all));
 }
 
+TEST(Rig, that_was_chosen_lights_a_scene_that_moved_on) {
+  Scene first = room_scene();
+  first.origin_m = Vec3d(100.0, 0.0, 0.0);
+  const AddedRig rig = add_rig(first, Rig::Auto, 0, kEven);
+  // A ball outside, whose numbers have another zero, would get a studio.
+  Scene later = ball_scene(5.0);
+  later.origin_m = Vec3d(90.0, 0.0, 0.0);
+  add_rig(later, rig);
+  ASSERT_EQ(later.lights.size(), 1u);
+  EXPECT_EQ(later.lights[0].to_world[3], first.lights[0].to_world[3] + Vec4d(10.0, 0.0, 0.0, 0.0));
+  EXPECT_EQ(later.lights[0].intensity, first.lights[0].intensity);
+  EXPECT_FALSE(later.environment);
+  ASSERT_TRUE(later.ambient);
+  EXPECT_EQ(later.ambient->luminance_cd_per_m2, first.ambient->luminance_cd_per_m2);
+}
+
 }  // namespace
 }  // namespace abbe

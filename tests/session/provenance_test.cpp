@@ -98,14 +98,17 @@ TEST(Recipe, of_a_posed_scene_says_when) {
   posed.time_s = 1.0 / 3.0;
   posed.animation = "walk";
   posed.variant = "sea";
+  posed.rig_time_s = 0.25;
   ExrHeader header = header_of(settings);
   EXPECT_FALSE(header.attributes.contains("abbe:time"));
+  EXPECT_FALSE(header.attributes.contains("abbe:rigTime"));
   header.attributes = provenance(posed, settings, {}, read_standards(test::catalogue()));
   const std::optional<Recipe> recipe = recipe_of(header);
   ASSERT_TRUE(recipe);
   EXPECT_EQ(recipe->scene.time_s, 1.0 / 3.0);
   EXPECT_EQ(recipe->scene.animation, "walk");
   EXPECT_EQ(recipe->scene.variant, "sea");
+  EXPECT_EQ(recipe->scene.rig_time_s, 0.25);
 }
 
 TEST(PreparedScene, name_of_a_camera_is_what_finds_it_again) {

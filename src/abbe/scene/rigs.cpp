@@ -167,8 +167,8 @@ double heading_deg(const Camera& camera) {
   return std::atan2(-forward.x, -forward.z) * 180.0 / kPi;
 }
 
-void light_closed_scene(Scene& scene, const Camera& camera, const View& view,
-                        const NamedSpectrum& d65) {
+void light_closed_scene(const Camera& camera, const View& view, const NamedSpectrum& d65,
+                        AddedRig& rig) {
   constexpr double kAmbient = 0.25;  // cd/m²
   const double near_m = view.distances_m.front();
   const double middle_m = view.distances_m[view.distances_m.size() / 2];
@@ -183,28 +183,30 @@ void light_closed_scene(Scene& scene, const Camera& camera, const View& view,
               up = glm::normalize(Vec3d(camera.to_world[1]));
   lamp.to_world = Mat4d(1.0);
   lamp.to_world[3] = camera.to_world[3] + Vec4d(0.1 * near_m * (right + up), 0.0);
-  scene.lights.push_back(std::move(lamp));
-  scene.environment.reset();
-  scene.ambient = Ambient{kAmbient, d65};
+  rig.lamp = std::move(lamp);
+  rig.ambient = Ambient{kAmbient, d65};
 }
 
-AddedRig add_studio(Scene& scene, std::size_t camera, const NamedSpectrum& d65,
-                    const std::string& why) {
+AddedRig studio(const Scene& scene, std::size_t camera, const NamedSpectrum& d65,
+                const std::string& why) {
+  AddedRig rig;
+  rig.rig = Rig::Studio;
   const Camera& seen_through = scene.cameras[camera];
   const View view = look_through(scene, seen_through);
   if (is_closed(view)) {
-    light_closed_scene(scene, seen_through, view, d65);
-    return {Rig::Studio, why +
-                             ", and the camera stands in a closed room: lit by ambient light of "
-                             "0.25 cd/m2 and a lamp beside the camera"};
+    light_closed_scene(seen_through, view, d65, rig);
+    rig.lamp->to_world[3] += Vec4d(scene.origin_m, 0.0);
+    rig.line = why +
+               ", and the camera stands in a closed room: lit by ambient light of 0.25 cd/m2 and a "
+               "lamp beside the camera";
+    return rig;
   }
-  scene.ambient.reset();
-  scene.environment = studio_environment(heading_deg(seen_through));
-  return {Rig::Studio,
-          why + ": lit by a studio, soft boxes on grey with the key light at the camera's right"};
+  rig.environment = studio_environment(heading_deg(seen_through));
+  rig.line = why + ": lit by a studio, soft boxes on grey with the key light at the camera's right";
+  return rig;
 }
 
-AddedRig add_surround(Scene& scene, const std::string& why) {
+AddedRig surround(const Scene& scene, const std::string& why) {
   constexpr double kFaint = 0.1;  // Of a white that faces all lamps.
   constexpr double kOfNoLamps = 0.2;
   const Box3d bounds = bounds_of(scene);
@@ -213,10 +215,11 @@ AddedRig add_surround(Scene& scene, const std::string& why) {
   double lux = 0.0;
   for (const Light& light : scene.lights) lux += illuminance_lux(light, center, radius_m);
   const double luminance = lux > 0.0 ? kFaint * lux / kPi : kOfNoLamps;
-  scene.ambient.reset();
-  scene.environment = even_environment("surround", luminance);
-  return {Rig::Surround,
-          fmt::format("{}: an even grey of {:.3g} cd/m2 is around it", why, luminance)};
+  AddedRig rig;
+  rig.rig = Rig::Surround;
+  rig.line = fmt::format("{}: an even grey of {:.3g} cd/m2 is around it", why, luminance);
+  rig.environment = even_environment("surround", luminance);
+  return rig;
 }
 
 }  // namespace
@@ -279,18 +282,34 @@ bool is_closed_around(const Scene& scene, const Camera& camera) {
   return is_closed(look_through(scene, camera));
 }
 
-AddedRig add_rig(Scene& scene, Rig rig, std::size_t camera, const NamedSpectrum& d65) {
-  if (rig == Rig::Studio) return add_studio(scene, camera, d65, "as asked for");
-  if (rig == Rig::Surround) return add_surround(scene, "as asked for");
+AddedRig choose_rig(const Scene& scene, Rig rig, std::size_t camera, const NamedSpectrum& d65) {
+  if (rig == Rig::Studio) return studio(scene, camera, d65, "as asked for");
+  if (rig == Rig::Surround) return surround(scene, "as asked for");
   if (rig == Rig::None || scene.environment || scene.ambient) return {};
   if (scene.lights.empty()) {
-    return add_studio(scene, camera, d65, "the scene has no lamps and nothing around it");
+    return studio(scene, camera, d65, "the scene has no lamps and nothing around it");
   }
   if (scene.uses_abbe) return {};
   double brightest = 0.0;
   for (const Light& light : scene.lights) brightest = std::max(brightest, light.intensity);
   if (!(brightest > 0.0)) return {};
-  return add_surround(scene, "the scene has lamps and nothing around it");
+  return surround(scene, "the scene has lamps and nothing around it");
+}
+
+void add_rig(Scene& scene, const AddedRig& rig) {
+  if (rig.rig == Rig::None) return;
+  if (rig.lamp) {
+    scene.lights.push_back(*rig.lamp);
+    scene.lights.back().to_world[3] -= Vec4d(scene.origin_m, 0.0);
+  }
+  scene.environment = rig.environment;
+  scene.ambient = rig.ambient;
+}
+
+AddedRig add_rig(Scene& scene, Rig rig, std::size_t camera, const NamedSpectrum& d65) {
+  AddedRig chosen = choose_rig(scene, rig, camera, d65);
+  add_rig(scene, chosen);
+  return chosen;
 }
 
 }  // namespace abbe

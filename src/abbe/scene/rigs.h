@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,17 +25,26 @@ std::string rig_name(Rig rig);
 /// Errors: a usage Error at `rig` that lists them.
 Rig rig_from_name(const std::string& name);
 
-/// What was added to a scene: a Studio, a Surround or None, and why, in a line for people (empty
-/// where nothing was).
+/// What is added to a scene: a Studio, a Surround or None, and why, in a line for people (empty
+/// where nothing is).
 struct AddedRig {
   Rig rig = Rig::None;
   std::string line = {};
+  std::shared_ptr<const Environment> environment = {};
+  std::optional<Ambient> ambient = {};
+  std::optional<Light> lamp = {};  ///< Where the scene's author would place it (Scene::origin_m).
 };
 
-/// Adds the rig. One asked for by name is added whatever the scene has: it takes the place of an
-/// environment and of ambient light, and stands beside lamps.
+/// The rig for a scene. One asked for by name is added whatever the scene has: it takes the place
+/// of an environment and of ambient light, and stands beside lamps.
 /// Domain: `camera` is a number of scene.cameras: its right, front and above are where the key
 ///         light stands; `d65` is the spectrum of ambient light.
+AddedRig choose_rig(const Scene& scene, Rig rig, std::size_t camera, const NamedSpectrum& d65);
+
+/// Adds a rig to the scene that it was chosen for, or to another that is to be lit alike.
+void add_rig(Scene& scene, const AddedRig& rig);
+
+/// Chooses a rig and adds it.
 AddedRig add_rig(Scene& scene, Rig rig, std::size_t camera, const NamedSpectrum& d65);
 
 /// The studio, seen by a camera that looks along −Z: 512x256 texels, grey of 0.18 cd/m² below to

@@ -122,6 +122,9 @@ void check_time(const SceneChoice& choice) {
   if (choice.time_s && !std::isfinite(*choice.time_s)) {
     throw_usage_error("time_s", fmt::format("{}", *choice.time_s), "seconds");
   }
+  if (choice.rig_time_s && !std::isfinite(*choice.rig_time_s)) {
+    throw_usage_error("rig_time_s", fmt::format("{}", *choice.rig_time_s), "seconds");
+  }
 }
 
 // Frames the scene at rest, but for a scene whose zero is at `origin_m`.
@@ -136,9 +139,18 @@ Camera camera_at_rest(const SceneChoice& choice, const Catalogue& catalogue,
   return camera;
 }
 
+// The rig of the scene at another time.
+AddedRig rig_at(const SceneChoice& choice, double time_s, const Catalogue& catalogue) {
+  SceneChoice then = choice;
+  then.time_s = time_s;
+  then.rig_time_s.reset();
+  Notes said_already;
+  return prepare_scene(then, catalogue, said_already).rig;
+}
+
 // What lights the scene, by choice or by the lack of it.
-void light_scene(const SceneChoice& choice, const Catalogue& catalogue, PreparedScene& prepared,
-                 Notes& notes) {
+void light_scene(const SceneChoice& choice, const Catalogue& catalogue, const AddedRig* rig,
+                 PreparedScene& prepared, Notes& notes) {
   Scene& scene = prepared.scene;
   check_environment(choice);
   if (!choice.environment.empty()) {
@@ -156,8 +168,18 @@ void light_scene(const SceneChoice& choice, const Catalogue& catalogue, Prepared
   }
   const NamedSpectrum d65{"illuminant/D65", catalogue.illuminant("illuminant/D65")};
   prepared.has_no_rig = choice.rig == Rig::None;
-  prepared.rig = add_rig(scene, choice.rig, prepared.camera, d65);
-  if (!prepared.rig.line.empty()) notes.info("", prepared.rig.line);
+  prepared.rig_time_s = choice.rig_time_s;
+  const bool is_of_now = !choice.rig_time_s || choice.rig_time_s == choice.time_s;
+  prepared.rig = rig != nullptr ? *rig
+                 : is_of_now    ? choose_rig(scene, choice.rig, prepared.camera, d65)
+                                : rig_at(choice, *choice.rig_time_s, catalogue);
+  add_rig(scene, prepared.rig);
+  if (!prepared.rig.line.empty()) {
+    const std::string& line = prepared.rig.line;
+    notes.info("", !choice.rig_time_s
+                       ? line
+                       : fmt::format("{}; as at {:g} s, in all frames", line, *choice.rig_time_s));
+  }
   prepared.emissive_light = choice.emissive_light;
   if (choice.emissive_light == LightsOthers::Auto) return;
   scene.emissive_light = choice.emissive_light == LightsOthers::Yes;
@@ -202,7 +224,8 @@ std::string PreparedScene::camera_name() const {
   return (count_of(number) > 0 ? "#" : "") + number;
 }
 
-PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogue, Notes& notes) {
+PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogue, Notes& notes,
+                            const AddedRig* rig) {
   LoadOptions load;
   load.strict = choice.strict;
   load.texture_memory = choice.texture_memory;
@@ -236,7 +259,7 @@ PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogu
   }
   prepared.camera =
       wants_frame ? prepared.scene.cameras.size() - 1 : camera_index(prepared.scene, choice.camera);
-  light_scene(choice, catalogue, prepared, notes);
+  light_scene(choice, catalogue, rig, prepared, notes);
   if (!choice.lamp.empty()) {
     const NamedSpectrum lamp = lamp_of(choice.lamp, catalogue);
     prepared.lamp_id = lamp.id;

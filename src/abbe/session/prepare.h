@@ -36,6 +36,8 @@ struct SceneChoice {
   std::optional<double> environment_scale = {};
   double environment_rotation_deg = 0.0;  ///< As Environment::rotation_deg.
   Rig rig = Rig::Auto;
+  /// When the rig is chosen, as for a sequence that begins then; absent: at time_s.
+  std::optional<double> rig_time_s = {};
   LightsOthers emissive_light = LightsOthers::Auto;  ///< Of all that emits; Auto: as the file says.
 };
 
@@ -59,6 +61,7 @@ struct PreparedScene {
   double environment_scale = 1.0, environment_rotation_deg = 0.0;
   LightsOthers emissive_light = LightsOthers::Auto;  ///< As chosen.
   std::optional<double> time_s = {};                 ///< As chosen.
+  std::optional<double> rig_time_s = {};             ///< As chosen.
   std::string variant = {};                          ///< As chosen.
   std::string animation = {};                        ///< As chosen, of a scene that is posed.
   bool has_default_camera = false;                   ///< One that frames, asked for or not.
@@ -71,11 +74,13 @@ struct PreparedScene {
 };
 
 /// Loads the scene, adds a default camera where there is none (it frames the scene at rest, so that
-/// what moves is seen to move) and a rig as add_rig() has it, and picks the camera. What was
-/// ignored or chosen for the scene becomes notes. Errors: an input Error for a file; a usage Error
-/// for an unknown scene, camera or lamp, or for an
+/// what moves is seen to move) and a rig as choose_rig() has it, and picks the camera. What was
+/// ignored or chosen for the scene becomes notes. `rig` is the one of this choice at its
+/// rig_time_s, where that is known: the scene need not be loaded for it. Errors: an input Error for
+/// a file; a usage Error for an unknown scene, camera or lamp, or for an
 ///         environment beside a rig.
-PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogue, Notes& notes);
+PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogue, Notes& notes,
+                            const AddedRig* rig = nullptr);
 
 /// What everything is measured by: the catalogue of spectra, the observer CIE 1931 and D65.
 struct Standards {

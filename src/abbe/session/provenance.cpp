@@ -209,6 +209,9 @@ std::optional<Recipe> recipe_of(const ExrHeader& header) {
       read.get("environmentRotation", recipe.scene.environment_rotation_deg);
     }
     if (attributes.contains("abbe:rig")) recipe.scene.rig = rig_from_name(read.text("rig"));
+    if (attributes.contains("abbe:rigTime")) {
+      read.get("rigTime", recipe.scene.rig_time_s.emplace());
+    }
     if (attributes.contains("abbe:emissiveLight")) {
       recipe.scene.emissive_light = emissive_light_from_name(read.text("emissiveLight"));
     }
@@ -255,6 +258,9 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
   if (!prepared.animation.empty()) out["abbe:animation"] = prepared.animation;
   if (prepared.rig.rig != Rig::None) out["abbe:rig"] = rig_name(prepared.rig.rig);
   if (prepared.has_no_rig) out["abbe:rig"] = rig_name(Rig::None);
+  if (prepared.rig_time_s && prepared.rig_time_s != prepared.time_s && !prepared.has_no_rig) {
+    out["abbe:rigTime"] = *prepared.rig_time_s;
+  }
   if (!prepared.environment_id.empty()) {
     out["abbe:environment"] = prepared.environment_id;
     if (prepared.environment_scale != 1.0) {

@@ -53,8 +53,10 @@ void write_images(const RenderArguments& arguments, Image image) {
 
 // What the frames of a sequence share.
 struct Shared {
-  std::optional<double> metered_ev;  // Of the first, so that a sequence does not flicker.
-  std::set<std::string> said;        // So that nothing is said of every frame.
+  // Of the first, so that a sequence does not flicker.
+  std::optional<double> metered_ev;
+  std::optional<AddedRig> rig;
+  std::set<std::string> said;  // So that nothing is said of every frame.
 };
 
 Notes unsaid(const Notes& notes, Shared& shared) {
@@ -162,7 +164,9 @@ ExitCode render_one(RenderArguments& arguments, Shared& shared) {
   Notes notes;
   const Standards standards = read_standards();
   check_development(arguments.development, standards);
-  const PreparedScene prepared = prepare_scene(arguments.scene.choice, standards.catalogue, notes);
+  const PreparedScene prepared = prepare_scene(arguments.scene.choice, standards.catalogue, notes,
+                                               shared.rig ? &*shared.rig : nullptr);
+  shared.rig = prepared.rig;
   settle_size(arguments.scene, prepared.chosen_camera());
   times.load_seconds = seconds_since(start);
 
@@ -206,10 +210,13 @@ ExitCode render_one(RenderArguments& arguments, Shared& shared) {
 }
 
 // The arguments of one frame of a sequence.
-RenderArguments frame_arguments(const RenderArguments& arguments, std::uint32_t frame) {
+RenderArguments frame_arguments(const RenderArguments& arguments, std::uint32_t frame,
+                                std::uint32_t first_frame) {
   RenderArguments one = arguments;
   constexpr double kCinema = 24.0;
-  one.scene.choice.time_s = frame / arguments.frames_per_second.value_or(kCinema);
+  const double fps = arguments.frames_per_second.value_or(kCinema);
+  one.scene.choice.time_s = frame / fps;
+  if (!one.scene.choice.rig_time_s) one.scene.choice.rig_time_s = first_frame / fps;
   for (std::string& file : one.outputs) file = frame_file(file, frame, "-o");
   if (!one.stats_file.empty()) one.stats_file = frame_file(one.stats_file, frame, "--stats");
   return one;
@@ -237,7 +244,7 @@ ExitCode run_render(RenderArguments& arguments) {
   if (arguments.frames.empty()) return render_one(arguments, shared);
   const FrameRange range = parse_frames(arguments.frames);
   for (std::uint32_t frame = range.first; frame <= range.last; ++frame) {
-    RenderArguments one = frame_arguments(arguments, frame);
+    RenderArguments one = frame_arguments(arguments, frame, range.first);
     const ExitCode code = render_one(one, shared);
     if (code != ExitCode::Done) return code;
   }

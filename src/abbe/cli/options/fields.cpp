@@ -13,7 +13,7 @@ struct Field {
   std::string_view name, option;
 };
 
-constexpr std::array<Field, 42> kFields{{{"accelerator", "--accel"},
+constexpr std::array<Field, 43> kFields{{{"accelerator", "--accel"},
                                          {"adaptation", "--adaptation"},
                                          {"animation", "--animation"},
                                          {"aovs", "--aov"},
@@ -43,6 +43,7 @@ constexpr std::array<Field, 42> kFields{{{"accelerator", "--accel"},
                                          {"range_nm", "--range"},
                                          {"wavelengths.range_min_nm", "--range"},
                                          {"rig", "--rig"},
+                                         {"rig_time_s", "--rig-time"},
                                          {"samples_per_pixel", "--spp"},
                                          {"scene", "--scene"},
                                          {"size", "--size"},

@@ -119,6 +119,9 @@ void add_light_options(CLI::App& command, SceneChoice& choice, std::string& rig,
             fmt::format("light that the file has not: {} (default: auto: a studio without lamps, "
                         "a faint surround beside lamps alone)",
                         fmt::join(rig_names(), ", ")));
+  add_number(command, "--rig-time", choice.rig_time_s, "SECONDS",
+             "when that light is chosen, for all times (default: at --time; of --frames, at the "
+             "first)");
   add_shown(command, "--emissive-light", emissive_light, "HOW",
             "whether surfaces that shine light others: auto, on, off (default: auto: as the "
             "materials say, else where the file has no lamps)");

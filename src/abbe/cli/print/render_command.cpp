@@ -104,6 +104,7 @@ std::string render_command(const Recipe& recipe) {
     }
   }
   if (recipe.scene.rig != Rig::Auto) command.add("--rig", rig_name(recipe.scene.rig));
+  if (recipe.scene.rig_time_s) command.add("--rig-time", *recipe.scene.rig_time_s);
   if (recipe.scene.emissive_light != LightsOthers::Auto) {
     command.add("--emissive-light", emissive_light_name(recipe.scene.emissive_light));
   }

@@ -204,6 +204,19 @@ TEST_F(RenderTest, default_rig_and_camera_are_a_line_each) {
   EXPECT_EQ(attribute<std::string>(read_exr_header(file("a.exr")), "abbe:camera"), "default");
 }
 
+// Between corners of that alpha, the weights round.
+TEST_F(RenderTest, mask_at_its_cutoff_is_there_between_the_corners_too) {
+  write("mask.gltf", mask_scene());
+  const Outcome run = abbe(
+      {"render", "mask.gltf", "-o", "a.exr", "--size", "16x16", "--spp", "16", "--rig", "none"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Image image = read_exr(file("a.exr"));
+  const std::size_t green = *image.channel_index("G");
+  for (std::size_t i = green; i < image.pixels.size(); i += image.channel_count()) {
+    EXPECT_NEAR(image.pixels[i], 1.0f, 0.01f);  // Of a dozen wavelengths' noise; a miss is 0.06.
+  }
+}
+
 TEST_F(RenderTest, piped_render_says_only_the_summary) {
   const Outcome run = render({"-o", "a.exr"});
   EXPECT_THAT(run.out, IsEmpty());

@@ -98,6 +98,39 @@ std::string prism_scene() {
   return prism(planes, 0.5 * std::sin(kIncidence_deg * kRadians));
 }
 
+std::string mask_scene() {
+  // Four positions, six indices, four colours 1, 1, 1, 0.3.
+  const std::string bytes =
+      "AAAQwQAAEMEAAADAAAAQQQAAEMEAAADAAAAQQQAAEEEAAADAAAAQwQAAEEEAAADAAAABAAIAAAACAAMA"
+      "AACAPwAAgD8AAIA/mpmZPgAAgD8AAIA/AACAP5qZmT4AAIA/AACAPwAAgD+amZk+AACAPwAAgD8AAIA/"
+      "mpmZPg==";
+  Json scene = document();
+  scene["buffers"] = {
+      {{"byteLength", 124}, {"uri", "data:application/octet-stream;base64," + bytes}}};
+  scene["bufferViews"] = {{{"buffer", 0}, {"byteLength", 48}},
+                          {{"buffer", 0}, {"byteOffset", 48}, {"byteLength", 12}},
+                          {{"buffer", 0}, {"byteOffset", 60}, {"byteLength", 64}}};
+  scene["accessors"] = {
+      {{"bufferView", 0},
+       {"componentType", 5126},
+       {"count", 4},
+       {"type", "VEC3"},
+       {"min", {-9, -9, -2}},
+       {"max", {9, 9, -2}}},
+      {{"bufferView", 1}, {"componentType", 5123}, {"count", 6}, {"type", "SCALAR"}},
+      {{"bufferView", 2}, {"componentType", 5126}, {"count", 4}, {"type", "VEC4"}}};
+  scene["materials"][1]["alphaMode"] = "MASK";
+  scene["materials"][1]["alphaCutoff"] = 0.3;
+  scene["materials"][1]["emissiveFactor"] = {1, 1, 1};
+  scene["meshes"] = {
+      {{"primitives",
+        {{{"attributes", {{"POSITION", 0}, {"COLOR_0", 2}}}, {"indices", 1}, {"material", 1}}}}}};
+  add_node(scene, {{"mesh", 0}});
+  add_camera(scene, {{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}}}},
+             {0, 0, 2});
+  return scene.dump(1);
+}
+
 std::string right_angle_prism_scene() {
   return prism({{0, 0, 1, 0.5}, {1, 0, -1, 0}, {-1, 0, 0, 0.5}}, 0.0);
 }

@@ -19,4 +19,8 @@ std::string prism_scene();
 /// oblique one from within at 45°, beyond the critical angle of 34.08°.
 std::string right_angle_prism_scene();
 
+/// A grey wall, without light, whose vertices have an alpha of 0.3 and its material a cutoff of
+/// 0.3.
+std::string mask_scene();
+
 }  // namespace abbe::test

@@ -29,12 +29,16 @@ void look_up(const Vec3f& rec709, bool is_rgb, ColorSample& color) {
   color.lookup_rec709 = is_rgb ? glm::clamp(rec709, 0.0f, 1.0f) : rec709;
 }
 
+// What is as large as the cutoff at every corner may be less between them, by the roundings of the
+// weights, their sum and the products with factors.
+constexpr float kRoundings = 1e-6f;
+
 float coverage(const SurfaceMaterial& material, float alpha) {
   switch (material.alpha_mode) {
     case AlphaMode::Opaque:
       return 1.0f;
     case AlphaMode::Mask:
-      return alpha >= material.alpha_cutoff ? 1.0f : 0.0f;
+      return alpha >= (1.0f - kRoundings) * material.alpha_cutoff ? 1.0f : 0.0f;
     case AlphaMode::Blend:
       break;
   }

@@ -8,6 +8,7 @@
 #include "abbe/base/error.h"
 #include "abbe/integrate/surface/point.h"
 #include "abbe/render/settings.h"
+#include "abbe/world/emitters.h"
 #include "abbe/world/world.h"
 #include "support/scene_builder.h"
 
@@ -118,13 +119,90 @@ TEST(sharing, few_instances_stay_flat_by_default) {
   EXPECT_TRUE(world.geometry.places.empty());
 }
 
-TEST(sharing, what_shines_or_lets_light_in_has_primitives_of_its_own) {
-  Scene scene = balls(1, 20, Vec3d(0.0));
+// Such balls, in rows and columns, none of which touches anything.
+Scene balls_apart(unsigned seed, int count, const Material& material) {
+  Scene scene = balls(seed, count, Vec3d(0.0));
+  scene.materials[0] = material;
+  for (int i = 0; i < count; ++i) {
+    scene.instances[static_cast<std::size_t>(i)].to_world[3] =
+        Vec4d(2.5 * (i % 4) - 3.75, 2.5 * (i / 4 % 2) - 1.5, -2.5 * (i / 8), 1.0);
+  }
+  return scene;
+}
+
+Material shining() {
+  Material material = test::matte(Vec3f(0.5f));
+  material.emissive_rec709 = Vec3f(1.0f, 0.8f, 0.5f);
+  material.lights_others = LightsOthers::Yes;
+  return material;
+}
+
+TEST(sharing, what_shines_or_lets_light_in_shares_where_nothing_touches) {
+  for (const Material& material : {test::matte(Vec3f(0.5f)), shining(), test::glass(1.5)}) {
+    const Scene scene = balls_apart(1, 20, material);
+    EXPECT_EQ(shared_count(scene), 20u);
+  }
+  // Each place of a lamp is known by itself.
+  const LitWorld shared = world_of(balls_apart(1, 20, shining()), settings_of(Mode::Rgb), true);
+  const LitWorld flat = world_of(balls_apart(1, 20, shining()), settings_of(Mode::Rgb), false);
+  EXPECT_EQ(shared.emitters->piece_count(), flat.emitters->piece_count());
+}
+
+TEST(sharing, glass_that_may_touch_something_has_primitives_of_its_own) {
+  Scene scene = balls_apart(1, 20, test::glass(1.5));
+  // Two that reach into each other.
+  scene.instances[3].to_world = test::translation({100, 0, 0});
+  scene.instances[4].to_world = test::translation({101, 0, 0});
+  EXPECT_EQ(shared_count(scene), 18u);
+  // One that reaches through what stops light.
+  scene.instances[4].to_world = test::translation({200, 0, 0});
   EXPECT_EQ(shared_count(scene), 20u);
-  scene.materials[0].emissive_rec709 = Vec3f(1.0f);
+  test::add_square(scene, 1, 20.0, test::translation({200, 0, 0}));
+  EXPECT_EQ(shared_count(scene), 19u);
+}
+
+TEST(sharing, glass_whose_pieces_touch_has_primitives_of_its_own) {
+  Scene scene = balls_apart(1, 20, test::glass(1.5));
+  Mesh& mesh = scene.meshes[0];
+  const Mesh piece = mesh;
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  const auto append = [&](auto& to, const auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  for (const Vec3f& position : piece.positions) mesh.positions.push_back(0.5f * position);
+  append(mesh.normals, piece.normals);
+  append(mesh.tangents, piece.tangents);
+  append(mesh.uv[0], piece.uv[0]);
+  append(mesh.colors_rec709, piece.colors_rec709);
+  for (const auto& t : piece.triangles) {
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  EXPECT_EQ(shared_count(scene), 20u);
+  for (std::size_t i = 0; i < first; ++i)
+    mesh.positions[first + i] = 1.5f * piece.positions[i] + Vec3f(0.5f, 0.0f, 0.0f);
   EXPECT_EQ(shared_count(scene), 0u);
-  scene.materials[0] = test::glass(1.5);
-  EXPECT_EQ(shared_count(scene), 0u);
+}
+
+// Its light is followed from faces in the world; that of a lamp, where there is one.
+TEST(sharing, glass_of_exact_light_has_primitives_of_its_own) {
+  Scene scene;
+  const std::uint32_t glass = test::add(scene, test::glass(1.5));
+  test::add_box_mesh(scene, glass, Vec3d(1.0), test::translation({0, 0, 0}));
+  for (int i = 1; i < 10; ++i) {
+    scene.instances.push_back({"", std::uint32_t{0}, test::translation({3.0 * i, 0, 0})});
+  }
+  const auto count = [&] {
+    WorldOptions options = world_options(settings_of(Mode::Rgb));
+    options.sharing = {.least_saved_triangles = 1, .least_triangles = 1};
+    Notes notes;
+    return make_lit_world(scene, options, caustic_options(settings_of(Mode::Rgb)),
+                          test::catalogue().observer(),
+                          test::catalogue().illuminant("illuminant/D65"), notes)
+        .geometry.places.size();
+  };
+  EXPECT_EQ(count(), 10u);
+  scene.lights.push_back(test::directional_light({0.3, -1.0, -0.4}, 3.0));
+  EXPECT_EQ(count(), 0u);
 }
 
 TEST(sharing, what_glass_may_touch_has_primitives_of_its_own) {
@@ -221,6 +299,25 @@ TEST(sharing, step_off_a_surface_clears_it) {
   EXPECT_EQ(again, 0u);
 }
 
+// How many pixels differ by more than rounding, of pictures with and without shared data.
+int differing_pixels(const Scene& scene, const RenderSettings& settings) {
+  const Image a = test::render(world_of(scene, settings, true), scene.cameras[0], settings).image;
+  const Image b = test::render(world_of(scene, settings, false), scene.cameras[0], settings).image;
+  int differ = 0;
+  double brightest = 0.0;
+  for (int y = 0; y < settings.size.y; ++y) {
+    for (int x = 0; x < settings.size.x; ++x) {
+      const float of_a = test::pixel(a, x, y, "G"), of_b = test::pixel(b, x, y, "G");
+      brightest = std::max(brightest, static_cast<double>(of_a));
+      // Colours of dispersed light lie beyond Rec. 709, and have negative channels.
+      const float size = std::abs(of_a) + std::abs(of_b);
+      differ += std::abs(of_a - of_b) > 1e-3f * size + 1e-5f ? 1 : 0;
+    }
+  }
+  EXPECT_GT(brightest, 0.1);
+  return differ;
+}
+
 // A silhouette or the edge of a shadow may pass a sample on the other side; nothing else differs.
 TEST(sharing, images_agree_with_flat_ones_but_for_rounding) {
   const Scene scene = balls(6, 60, Vec3d(0.0));
@@ -229,22 +326,21 @@ TEST(sharing, images_agree_with_flat_ones_but_for_rounding) {
       RenderSettings settings = settings_of(mode);
       settings.size = mode == Mode::Rgb ? Vec2i{64, 48} : Vec2i{32, 24};
       settings.accelerator = accelerator;
-      const Image a =
-          test::render(world_of(scene, settings, true), scene.cameras[0], settings).image;
-      const Image b =
-          test::render(world_of(scene, settings, false), scene.cameras[0], settings).image;
-      int differ = 0;
-      double brightest = 0.0;
-      for (int y = 0; y < settings.size.y; ++y) {
-        for (int x = 0; x < settings.size.x; ++x) {
-          const float of_a = test::pixel(a, x, y, "G"), of_b = test::pixel(b, x, y, "G");
-          brightest = std::max(brightest, static_cast<double>(of_a));
-          differ += std::abs(of_a - of_b) > 1e-3f * (of_a + of_b) + 1e-5f ? 1 : 0;
-        }
-      }
-      EXPECT_GT(brightest, 0.1);
-      EXPECT_LE(differ, settings.size.x * settings.size.y / 300);
+      EXPECT_LE(differing_pixels(scene, settings), settings.size.x * settings.size.y / 300);
     }
+  }
+}
+
+TEST(sharing, images_of_glass_and_lamps_agree_with_flat_ones_but_for_rounding) {
+  RenderSettings settings = settings_of(Mode::Spectral);
+  settings.size = {48, 36};
+  for (const Material& material : {shining(), test::glass(1.5)}) {
+    Scene scene = balls_apart(6, 16, material);
+    EXPECT_LE(differing_pixels(scene, settings), settings.size.x * settings.size.y / 300);
+    // From within one.
+    scene.cameras[0] =
+        test::perspective_camera(Vec3d(scene.instances[5].to_world[3]), {0, 0, -9}, 45);
+    EXPECT_LE(differing_pixels(scene, settings), settings.size.x * settings.size.y / 300);
   }
 }
 

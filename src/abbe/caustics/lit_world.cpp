@@ -1,5 +1,7 @@
 #include "abbe/caustics/lit_world.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <cstddef>
 #include <string>
@@ -8,6 +10,7 @@
 
 #include "abbe/caustics/flat/search/find.h"
 #include "abbe/scene/validation.h"
+#include "abbe/world/emitters.h"
 
 namespace abbe {
 namespace {
@@ -23,6 +26,17 @@ void tell_cost(const FlatCaustics& flat, Notes& notes) {
                  " paths through flat glass and off flat mirrors, which costs several times what "
                  "straight light does: --chain with a small number leaves out inner reflections, "
                  "--caustics off sends all of it straight");
+}
+
+// What shines is known place by place, also where places share a mesh.
+void tell_emitters(const World& world, Notes& notes) {
+  constexpr std::size_t kMany = std::size_t{1} << 20;
+  if (!world.emitters || world.emitters->piece_count() < kMany) return;
+  notes.info("",
+             fmt::format("{:.3g} million triangles light others, those of a shared mesh at each "
+                         "of its places, and take {:.3g} MB: --emissive-light off shares them",
+                         static_cast<double>(world.emitters->piece_count()) * 1e-6,
+                         static_cast<double>(world.emitters->bytes()) * 1e-6));
 }
 
 // Where a lamp with an extent still shines as one without.
@@ -50,12 +64,13 @@ LitWorld make_lit_world(const Scene& scene, const WorldOptions& options,
   const auto start = std::chrono::steady_clock::now();
   validate(scene, "scene");
   TabulatedScene tables = tabulate(scene, options, observer, d65);
-  Geometry geometry = flatten(scene, notes, options.sharing);
   FlatCaustics flat = find_flat_caustics(scene, tables, caustics, notes);
+  Geometry geometry = flatten(scene, notes, options.sharing, flat.surface_is_exact);
   tell_cost(flat, notes);
   warn_of_extents(tables, flat, notes);
   World world = make_world(std::move(tables), std::move(geometry), flat.surface_is_exact,
                            options.accelerator);
+  tell_emitters(world, notes);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   return {std::move(world), std::move(flat), options, caustics, elapsed.count()};
 }

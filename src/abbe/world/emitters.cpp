@@ -125,7 +125,26 @@ WorldEmitters::WorldEmitters(const World& world) {
     }
     add_polyhedron(world, geometry.polyhedra[index - geometry.ellipsoids.size()], piece);
   }
+  for (std::size_t i = 0; i < geometry.places.size(); ++i) {
+    const Surface& surface = geometry.surfaces[geometry.place_surface[i]];
+    const SurfaceMaterial& material = world.materials[surface.material];
+    if (!material.lights_others || !material.emission) continue;
+    Piece piece;
+    piece.primitive = geometry.numbers.first_primitive(static_cast<std::uint32_t>(i));
+    piece.two_sided = !material.is_front_only;
+    piece.weights = {Vec2f(0.0f), Vec2f(1.0f, 0.0f), Vec2f(0.0f, 1.0f)};
+    const std::uint32_t count = geometry.meshes[geometry.places[i].mesh].count;
+    for (std::uint32_t triangle = 0; triangle < count; ++triangle, ++piece.primitive) {
+      const std::array<Vec3d, 3> corners = geometry.corners_of(piece.primitive);
+      add_triangle({Vec3f(corners[0]), Vec3f(corners[1]), Vec3f(corners[2])}, piece);
+    }
+  }
   build(world);
+}
+
+std::size_t WorldEmitters::bytes() const {
+  const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return bytes(pieces_) + bytes(ellipsoids_) + bytes(leaf_of_piece_) + bytes(nodes_);
 }
 
 void WorldEmitters::add_triangle(const std::array<Vec3f, 3>& corners, const Piece& like) {
@@ -166,7 +185,7 @@ void WorldEmitters::build(const World& world) {
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const Piece& piece = pieces_[i];
     const SurfaceMaterial& material =
-        world.materials[world.geometry.surfaces[world.geometry.primitive_surface[piece.primitive]]
+        world.materials[world.geometry.surfaces[world.geometry.surface_of(piece.primitive)]
                             .material];
     Leaf leaf;
     leaf.node.piece = static_cast<std::uint32_t>(i);
@@ -180,7 +199,7 @@ void WorldEmitters::build(const World& world) {
       leaf.node.bounds = world.geometry.bounds_of(piece.primitive);
     } else {
       for (const Vec3f& corner : piece.corners) leaf.node.bounds.extend(corner);
-      if (material.emission_is_textured && piece.primitive < world.geometry.triangles.size()) {
+      if (material.emission_is_textured && world.geometry.is_triangle(piece.primitive)) {
         luminance *= texture_share(world, material, world.geometry.located(piece.primitive));
       }
       if (!piece.two_sided) {
@@ -188,7 +207,7 @@ void WorldEmitters::build(const World& world) {
         leaf.node.cos_cone = 1.0f;
       }
     }
-    const bool shines_twice = piece.two_sided && piece.primitive < world.geometry.triangles.size();
+    const bool shines_twice = piece.two_sided && world.geometry.is_triangle(piece.primitive);
     leaf.node.power = luminance * piece.area_m2 * (shines_twice ? 2.0f : 1.0f);
     leaf.center = leaf.node.bounds.center();
     if (leaf.node.power > 0.0f) leaves.push_back(leaf);

@@ -27,6 +27,8 @@ class WorldEmitters {
   explicit WorldEmitters(const World& world);
 
   bool is_empty() const { return nodes_.empty(); }
+  std::size_t piece_count() const { return pieces_.size(); }
+  std::size_t bytes() const;  ///< Memory held.
 
   /// A place on an emitter.
   struct Spot {

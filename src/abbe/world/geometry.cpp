@@ -259,11 +259,14 @@ std::array<Vec3d, 3> Geometry::corners_of(std::uint32_t primitive) const {
   return corners;
 }
 
-Geometry flatten(const Scene& scene, Notes& notes, const SharingRule& rule) {
+Geometry flatten(const Scene& scene, Notes& notes, const SharingRule& rule,
+                 std::span<const std::uint8_t> ends_light) {
   Geometry geometry;
   geometry.origin_m = scene.origin_m;
   Flattener flattener(scene, geometry);
-  for (const SharedMesh& shared : find_shared_meshes(scene, rule)) flattener.add_shared(shared);
+  for (const SharedMesh& shared : find_shared_meshes(scene, rule, ends_light, notes)) {
+    flattener.add_shared(shared);
+  }
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     flattener.add(static_cast<std::uint32_t>(i), scene.instances[i]);
   }

@@ -100,10 +100,13 @@ Vec4f moved_tangent(const Mat3d& linear, bool mirrored, const Vec4f& tangent);
 
 /// Places the instances of a scene, one surface each. Degenerate and non-finite triangles that
 /// arise from an instance's transform are dropped with a warning. Instances share data where the
-/// rule says so, but for those that let light through, shine, or come near what does the former:
-/// light through glass, lamps and contacts are found from primitives in the world.
+/// rule says so, but for those that `ends_light` marks, at which exact light starts, and those that
+/// may be in contact where one of the two lets light through: both are found from primitives in the
+/// world.
+/// Shape:  `ends_light` a value per instance, or empty.
 /// Errors: input Error that names an instance whose transform flattens a shape, or whose planes
 ///         bound no solid; or where there are more primitives than numbers.
-Geometry flatten(const Scene& scene, Notes& notes, const SharingRule& rule = {});
+Geometry flatten(const Scene& scene, Notes& notes, const SharingRule& rule = {},
+                 std::span<const std::uint8_t> ends_light = {});
 
 }  // namespace abbe

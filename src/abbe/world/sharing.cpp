@@ -1,5 +1,7 @@
 #include "abbe/world/sharing.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,6 +10,7 @@
 
 #include "abbe/accel/box_tree.h"
 #include "abbe/accel/instances/bounds.h"
+#include "abbe/accel/touching.h"
 
 namespace abbe {
 namespace {
@@ -38,10 +41,6 @@ bool lets_light_in(const Material& material) {
   return material.transmission > 0.0f || material.has_volume;
 }
 
-bool shines(const Material& material) {
-  return material.emission || material.emissive_rec709 != Vec3f(0.0f);
-}
-
 Box3f rounded(const Box3d& box) {
   Box3f out;
   if (box.is_empty()) return out;
@@ -50,31 +49,6 @@ Box3f rounded(const Box3d& box) {
     out.high[axis] = std::nextafter(static_cast<float>(box.high[axis]), kInfinity);
   }
   return out;
-}
-
-// The boxes of what lets light in: of triangles, or of a whole exact shape.
-std::vector<Box3f> boxes_of_glass(const Scene& scene) {
-  std::vector<Box3f> boxes;
-  for (const Instance& instance : scene.instances) {
-    const auto* number = std::get_if<std::uint32_t>(&instance.what);
-    const std::uint32_t material = number != nullptr ? scene.meshes[*number].material
-                                                     : std::get<Shape>(instance.what).material;
-    if (!lets_light_in(scene.materials[material])) continue;
-    if (number == nullptr) {
-      boxes.push_back(rounded(bounds_of(scene, instance)));
-      continue;
-    }
-    const Mesh& mesh = scene.meshes[*number];
-    for (const auto& triangle : mesh.triangles) {
-      Box3d box;
-      for (const std::uint32_t corner : triangle) {
-        const Vec3d place(instance.to_world * Vec4d(Vec3d(mesh.positions[corner]), 1.0));
-        box.extend({place, place});
-      }
-      boxes.push_back(rounded(box));
-    }
-  }
-  return boxes;
 }
 
 // Zero, unless the mesh lies far from its origin for its size.
@@ -87,20 +61,165 @@ Vec3d center_of(std::span<const Box3f> parts) {
   return is_far ? Vec3d(box.center()) : Vec3d(0.0);
 }
 
+// An instance that may share the data of its mesh.
+struct Candidate {
+  std::uint32_t instance;
+  const std::vector<Box3f>* parts;  // Of its mesh, in mesh space.
+  bool is_glass;
+};
+
+// Contacts are found among primitives in the world: glass that may be in contact with something has
+// its own, and what it may be in contact with has, too.
+class ContactFinder {
+ public:
+  ContactFinder(const Scene& scene, std::vector<Candidate> candidates)
+      : scene_(scene), candidates_(std::move(candidates)), is_near_(candidates_.size(), 0) {
+    const Box3d all = bounds_of(scene);
+    const Vec3d farthest = glm::max(glm::abs(all.low), glm::abs(all.high));
+    margin_m_ = static_cast<float>(1e-6 * (farthest.x + farthest.y + farthest.z));
+    for (const Candidate& candidate : candidates_) {
+      boxes_.push_back(grown(bounds_at(*candidate.parts, candidate)));
+      is_any_glass_ = is_any_glass_ || candidate.is_glass;
+    }
+    tree_.build(boxes_);
+  }
+
+  // By instance, whether it may touch something that matters.
+  std::vector<bool> find() {
+    std::vector<bool> is_candidate(scene_.instances.size(), false);
+    for (const Candidate& candidate : candidates_) is_candidate[candidate.instance] = true;
+    for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+      if (!is_candidate[i]) meet(scene_.instances[i]);
+    }
+    for (std::uint32_t i = 0; i < candidates_.size(); ++i) {
+      if (candidates_[i].is_glass) meet_candidates(i);
+      if (candidates_[i].is_glass && touches_itself(candidates_[i])) is_near_[i] = 1;
+    }
+    std::vector<bool> found(scene_.instances.size(), false);
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      found[candidates_[i].instance] = is_near_[i] != 0;
+    }
+    return found;
+  }
+
+ private:
+  Box3f grown(Box3f box) const {
+    box.low -= margin_m_;
+    box.high += margin_m_;
+    return box;
+  }
+
+  Box3f bounds_at(std::span<const Box3f> boxes, const Candidate& candidate) const {
+    const Mat4d& to_world = scene_.instances[candidate.instance].to_world;
+    return abbe::bounds_at(boxes, Mat3d(to_world), Vec3d(to_world[3]));
+  }
+
+  // Whether a part of a candidate overlaps a box.
+  bool comes_into(const Candidate& candidate, const Box3f& box) const {
+    return std::any_of(candidate.parts->begin(), candidate.parts->end(), [&](const Box3f& part) {
+      return overlap(grown(bounds_at({&part, 1}, candidate)), box);
+    });
+  }
+
+  // What has primitives of its own.
+  void meet(const Instance& instance) {
+    const auto* number = std::get_if<std::uint32_t>(&instance.what);
+    const std::uint32_t material = number != nullptr ? scene_.meshes[*number].material
+                                                     : std::get<Shape>(instance.what).material;
+    const bool is_glass = lets_light_in(scene_.materials[material]);
+    if (!is_glass && !is_any_glass_) return;
+    const auto meet_box = [&](const Box3f& box) {
+      tree_.for_each_overlapping(box, [&](std::uint32_t i) {
+        if (is_near_[i] == 0 && (is_glass || candidates_[i].is_glass) &&
+            comes_into(candidates_[i], box)) {
+          is_near_[i] = 1;
+        }
+      });
+    };
+    const Box3f whole = rounded(bounds_of(scene_, instance));
+    if (number == nullptr) {
+      meet_box(whole);
+      return;
+    }
+    bool is_far = true;
+    tree_.for_each_overlapping(whole, [&](std::uint32_t) { is_far = false; });
+    if (is_far) return;
+    const Mesh& mesh = scene_.meshes[*number];
+    for (const auto& triangle : mesh.triangles) {
+      Box3d box;
+      for (const std::uint32_t corner : triangle) {
+        const Vec3d place(instance.to_world * Vec4d(Vec3d(mesh.positions[corner]), 1.0));
+        box.extend({place, place});
+      }
+      meet_box(rounded(box));
+    }
+  }
+
+  void meet_candidates(std::uint32_t glass) {
+    std::vector<Box3f> own;  // Of its parts in the world.
+    tree_.for_each_overlapping(boxes_[glass], [&](std::uint32_t other) {
+      if (other == glass || (is_near_[other] != 0 && is_near_[glass] != 0)) return;
+      if (own.empty()) {
+        for (const Box3f& part : *candidates_[glass].parts) {
+          own.push_back(grown(bounds_at({&part, 1}, candidates_[glass])));
+        }
+      }
+      if (std::any_of(own.begin(), own.end(),
+                      [&](const Box3f& box) { return comes_into(candidates_[other], box); })) {
+        is_near_[glass] = is_near_[other] = 1;
+      }
+    });
+  }
+
+  // Whether pieces of its own mesh are in contact.
+  bool touches_itself(const Candidate& candidate) {
+    const Instance& instance = scene_.instances[candidate.instance];
+    const Mat3d back = glm::inverse(Mat3d(instance.to_world));
+    double largest = 0.0;
+    for (int column = 0; column < 3; ++column) {
+      largest += glm::dot(back[column], back[column]);
+    }
+    // In steps of a factor of 2, so that most instances ask for the same.
+    const int exponent = std::ilogb(std::max(margin_m_ * std::sqrt(largest), 1e-30)) + 1;
+    const std::uint32_t number = std::get<std::uint32_t>(instance.what);
+    const auto [known, is_new] = touches_itself_.try_emplace({number, exponent}, false);
+    if (is_new) {
+      const Mesh& mesh = scene_.meshes[number];
+      const std::vector<std::uint32_t> surface(mesh.triangles.size(), 0);
+      const std::uint8_t matters = 1;
+      known->second =
+          !find_touching({.positions = mesh.positions, .triangles = mesh.triangles}, surface,
+                         {&matters, 1}, static_cast<float>(std::ldexp(1.0, exponent)))
+               .empty();
+    }
+    return known->second;
+  }
+
+  const Scene& scene_;
+  std::vector<Candidate> candidates_;
+  std::vector<std::uint8_t> is_near_;  // Per candidate.
+  std::vector<Box3f> boxes_;
+  BoxTree tree_;
+  float margin_m_ = 0.0f;
+  bool is_any_glass_ = false;
+  std::map<std::pair<std::uint32_t, int>, bool> touches_itself_;  // By mesh and margin.
+};
+
+// From so many on, triangles that are not shared after all are worth a line.
+constexpr std::size_t kWorthALine = std::size_t{1} << 20;
+
 }  // namespace
 
-std::vector<SharedMesh> find_shared_meshes(const Scene& scene, const SharingRule& rule) {
+std::vector<SharedMesh> find_shared_meshes(const Scene& scene, const SharingRule& rule,
+                                           std::span<const std::uint8_t> ends_light, Notes& notes) {
   std::map<std::pair<std::uint32_t, bool>, std::vector<std::uint32_t>> groups;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     const auto* number = std::get_if<std::uint32_t>(&instance.what);
     if (number == nullptr || !is_usable(instance.to_world)) continue;
-    const Mesh& mesh = scene.meshes[*number];
-    const Material& material = scene.materials[mesh.material];
-    if (mesh.triangles.size() < rule.least_triangles || lets_light_in(material) ||
-        shines(material)) {
-      continue;
-    }
+    if (scene.meshes[*number].triangles.size() < rule.least_triangles) continue;
+    // Of exact light, rays start at faces that were computed in the world.
+    if (!ends_light.empty() && ends_light[i] != 0) continue;
     const bool is_mirrored = glm::determinant(Mat3d(instance.to_world)) < 0.0;
     groups[{*number, is_mirrored}].push_back(static_cast<std::uint32_t>(i));
   }
@@ -113,27 +232,35 @@ std::vector<SharedMesh> find_shared_meshes(const Scene& scene, const SharingRule
   });
   if (groups.empty()) return {};
 
-  const std::vector<Box3f> glass = boxes_of_glass(scene);
-  BoxTree of_glass;
-  of_glass.build(glass);
-  const Box3d all = bounds_of(scene);
-  const Vec3d farthest = glm::max(glm::abs(all.low), glm::abs(all.high));
-  const auto margin_m = static_cast<float>(1e-6 * (farthest.x + farthest.y + farthest.z));
+  std::map<std::uint32_t, std::vector<Box3f>> parts;  // By mesh.
+  std::vector<Candidate> candidates;
+  for (const auto& [key, instances] : groups) {
+    const Mesh& mesh = scene.meshes[key.first];
+    const auto [of_mesh, is_new] = parts.try_emplace(key.first);
+    if (is_new) of_mesh->second = boxes_of_parts(mesh.positions, mesh.triangles);
+    const bool is_glass = lets_light_in(scene.materials[mesh.material]);
+    for (const std::uint32_t instance : instances) {
+      candidates.push_back({instance, &of_mesh->second, is_glass});
+    }
+  }
+  const std::vector<bool> is_near = ContactFinder(scene, std::move(candidates)).find();
   std::vector<SharedMesh> shared;
   for (auto& [key, instances] : groups) {
     const Mesh& mesh = scene.meshes[key.first];
-    const std::vector<Box3f> parts = boxes_of_parts(mesh.positions, mesh.triangles);
-    std::erase_if(instances, [&](std::uint32_t number) {
-      const Mat4d& to_world = scene.instances[number].to_world;
-      Box3f box = bounds_at(parts, Mat3d(to_world), Vec3d(to_world[3]));
-      box.low -= margin_m;
-      box.high += margin_m;
-      bool is_near = false;
-      of_glass.for_each_overlapping(box, [&](std::uint32_t) { is_near = true; });
-      return is_near;
-    });
-    if (!is_worth_it(key.first, instances.size())) continue;
-    shared.push_back({key.first, key.second, center_of(parts), std::move(instances)});
+    const std::size_t all = instances.size();
+    std::erase_if(instances, [&](std::uint32_t number) { return is_near[number]; });
+    const bool is_shared = is_worth_it(key.first, instances.size());
+    const std::size_t own = (is_shared ? all - instances.size() : all) * mesh.triangles.size();
+    if (own >= kWorthALine) {
+      notes.info(mesh.name.empty() ? "" : "mesh \"" + mesh.name + "\"",
+                 fmt::format("{} of its {} places are in contact with transparent surfaces, or are "
+                             "transparent and in contact with others: these do not share it, and "
+                             "take {:.3g} million triangles",
+                             is_shared ? all - instances.size() : all, all,
+                             static_cast<double>(own) * 1e-6));
+    }
+    if (!is_shared) continue;
+    shared.push_back({key.first, key.second, center_of(parts[key.first]), std::move(instances)});
   }
   return shared;
 }

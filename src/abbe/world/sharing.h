@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "abbe/base/notes.h"
 #include "abbe/scene/scene.h"
 #include "abbe/world/geometry.h"
 
@@ -18,7 +20,10 @@ struct SharedMesh {
   std::vector<std::uint32_t> instances;  ///< In their order.
 };
 
-/// The meshes whose instances share data, by the rule.
-std::vector<SharedMesh> find_shared_meshes(const Scene& scene, const SharingRule& rule);
+/// The meshes whose instances share data, by the rule. Those do not that `ends_light` marks, and
+/// those that may be in contact where one of the two lets light through.
+/// Shape: `ends_light` a value per instance, or empty.
+std::vector<SharedMesh> find_shared_meshes(const Scene& scene, const SharingRule& rule,
+                                           std::span<const std::uint8_t> ends_light, Notes& notes);
 
 }  // namespace abbe

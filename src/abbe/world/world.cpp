@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "abbe/accel/instances/bounds.h"
 #include "abbe/base/constants.h"
 #include "abbe/world/emitters.h"
 
@@ -68,7 +69,7 @@ std::vector<std::uint8_t> front_only_triangles(const Geometry& geometry,
   return any ? flags : std::vector<std::uint8_t>();
 }
 
-// Of materials that stop light or have alpha: glass shares nothing.
+// At glass of exact light nothing is shared.
 void set_up_places(Geometry& geometry, const std::vector<SurfaceMaterial>& materials) {
   for (std::size_t i = 0; i < geometry.places.size(); ++i) {
     const Surface& surface = geometry.surfaces[geometry.place_surface[i]];
@@ -85,6 +86,19 @@ std::vector<Box3f> boxes_of_media(const World& world) {
     const std::uint32_t surface = geometry.primitive_surface[i];
     const SurfaceMaterial& material = world.materials[geometry.surfaces[surface].material];
     if (material.transmission == Transmission::Medium) boxes[surface].extend(geometry.bounds_of(i));
+  }
+  std::vector<std::vector<Box3f>> parts(geometry.meshes.size());
+  for (std::size_t i = 0; i < geometry.places.size(); ++i) {
+    const std::uint32_t surface = geometry.place_surface[i];
+    const SurfaceMaterial& material = world.materials[geometry.surfaces[surface].material];
+    if (material.transmission != Transmission::Medium) continue;
+    const MeshPlace& place = geometry.places[i];
+    if (parts[place.mesh].empty()) {
+      const TriangleRange& range = geometry.meshes[place.mesh];
+      parts[place.mesh] = boxes_of_parts(
+          geometry.positions, std::span(geometry.mesh_triangles).subspan(range.first, range.count));
+    }
+    boxes[surface] = bounds_at(parts[place.mesh], place.linear, place.offset_m);
   }
   std::erase_if(boxes, [](const Box3f& box) { return box.is_empty(); });
   return boxes;

@@ -230,5 +230,22 @@ TEST(Rig, that_was_chosen_lights_a_scene_that_moved_on) {
   EXPECT_EQ(later.ambient->luminance_cd_per_m2, first.ambient->luminance_cd_per_m2);
 }
 
+TEST(Camera, that_sees_only_backs_is_told_from_others) {
+  Scene scene = room_scene();
+  const Camera within = scene.cameras[0];
+  Camera away = within, turned = within;
+  away.to_world[3] = Vec4d(0.0, 0.0, -8.0, 1.0);
+  turned.to_world[0] = Vec4d(-1.0, 0.0, 0.0, 0.0);
+  turned.to_world[2] = Vec4d(0.0, 0.0, -1.0, 0.0);
+  turned.to_world[3] = Vec4d(0.0, 0.0, -8.0, 1.0);
+  // Through the back of one wall it sees the others' fronts; where nothing is, no backs.
+  for (const Camera& camera : {within, away, turned}) EXPECT_FALSE(sees_only_backs(scene, camera));
+  scene.meshes[0].triangles.resize(2);  // One wall alone.
+  EXPECT_FALSE(sees_only_backs(scene, within));
+  EXPECT_TRUE(sees_only_backs(scene, turned));
+  scene.materials[0].double_sided = true;
+  EXPECT_FALSE(sees_only_backs(scene, turned));
+}
+
 }  // namespace
 }  // namespace abbe

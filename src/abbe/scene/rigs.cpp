@@ -114,8 +114,9 @@ struct View {
   std::vector<double> distances_m;
 };
 
-View look_through(const Scene& scene, const Camera& camera) {
-  const SurfaceFinder finder(scene);
+// Rays by which a camera's view is judged, of which each is asked twice.
+std::vector<std::pair<Vec3d, Vec3d>> judging_rays(const SurfaceFinder& finder,
+                                                  const Camera& camera) {
   // Bounded: a second or so for the largest scenes.
   constexpr std::uint64_t kMaxTests = std::uint64_t{1} << 28;
   constexpr int kMaxColumns = 20, kMinColumns = 6;
@@ -123,7 +124,12 @@ View look_through(const Scene& scene, const Camera& camera) {
       static_cast<double>(kMaxTests) / std::max(1.0, 2.0 * static_cast<double>(finder.size()));
   const int columns =
       std::clamp(static_cast<int>(std::sqrt(share / 0.6)), kMinColumns, kMaxColumns);
-  const auto rays = camera_rays(camera, columns, (3 * columns + 4) / 5);
+  return camera_rays(camera, columns, (3 * columns + 4) / 5);
+}
+
+View look_through(const Scene& scene, const Camera& camera) {
+  const SurfaceFinder finder(scene);
+  const auto rays = judging_rays(finder, camera);
   struct Answer {
     bool is_outside = true;
     double distance_m = -1.0;
@@ -280,6 +286,22 @@ std::shared_ptr<const Environment> studio_environment(double rotation_deg) {
 
 bool is_closed_around(const Scene& scene, const Camera& camera) {
   return is_closed(look_through(scene, camera));
+}
+
+bool sees_only_backs(const Scene& scene, const Camera& camera) {
+  const SurfaceFinder finder(scene);
+  const auto is_there = [](const Material& material, bool is_front) {
+    return is_front || !material.is_front_only();
+  };
+  bool meets_back = false;
+  for (const auto& [origin, direction] : judging_rays(finder, camera)) {
+    const auto met =
+        finder.first(origin, direction, 0.0, [](const Material&, bool) { return true; });
+    if (!met) continue;
+    if (finder.first(origin, direction, 0.0, is_there)) return false;
+    meets_back = true;
+  }
+  return meets_back;
 }
 
 AddedRig choose_rig(const Scene& scene, Rig rig, std::size_t camera, const NamedSpectrum& d65) {

@@ -57,4 +57,8 @@ std::shared_ptr<const Environment> studio_environment(double rotation_deg);
 /// back of a single-sided opaque surface.
 bool is_closed_around(const Scene& scene, const Camera& camera);
 
+/// Whether all that some of a camera's rays meet are surfaces that are not there from behind, seen
+/// from there: its picture is empty.
+bool sees_only_backs(const Scene& scene, const Camera& camera);
+
 }  // namespace abbe

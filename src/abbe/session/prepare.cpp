@@ -255,6 +255,11 @@ PreparedScene prepare_scene(const SceneChoice& choice, const Catalogue& catalogu
     if (wants_frame) framing.name = kFrame;
     notes.info("", wants_frame ? "seen by a camera that frames the scene"
                                : "the scene has no camera: seen by a default one that frames it");
+    if (sees_only_backs(prepared.scene, framing)) {
+      notes.warn("",
+                 "that camera sees only backs of single-sided surfaces, which are not there from "
+                 "behind: the picture is empty (a camera on the other side, or doubleSided)");
+    }
     prepared.scene.cameras.push_back(std::move(framing));
   }
   prepared.camera =

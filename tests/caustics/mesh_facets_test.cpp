@@ -218,6 +218,42 @@ TEST(GentleMirror, of_more_triangles_than_can_be_followed_says_so) {
   EXPECT_THAT(notes.all()[0].text, testing::HasSubstr("131072 triangles"));
 }
 
+// Waves of 42°, whose facets light each other.
+Mesh waves(std::uint32_t count) {
+  return grid(count, [](double u, double v) {
+    return Vec3d(u, v, 0.1 * std::sin(9.0 * u) * std::cos(7.0 * v));
+  });
+}
+
+TEST(WavyMirrors, of_more_facets_together_than_can_be_followed_are_left_out_and_named) {
+  // Two of 1800 facets, three of 800: 6000 in all, 2400 without those of the most.
+  Material mirror = ideal_mirror();
+  mirror.double_sided = false;
+  Scene scene = scene_of(waves(30), mirror, Mat4d(1.0));
+  scene.instances[0].name = "large";
+  scene.meshes.push_back(waves(20));
+  scene.meshes.push_back(bowl(32, 1.0));  // A gentle one is counted apart.
+  for (const std::uint32_t mesh : {1u, 1u, 1u, 2u, 0u}) {
+    const double x = 5.0 * static_cast<double>(scene.instances.size());
+    scene.instances.push_back({mesh == 0 ? "large" : "small", mesh, test::translation({x, 0, 0})});
+  }
+  Notes notes;
+  const FlatBodies flat = find_flat_bodies(scene, notes);
+  EXPECT_EQ(flat.bodies.size(), 4u);
+  for (const FlatBody& body : flat.bodies) EXPECT_EQ(body.name, "small");
+  ASSERT_EQ(notes.all().size(), 2u);
+  EXPECT_EQ(notes.all()[0].where, "large");
+  EXPECT_THAT(notes.all()[0].text,
+              testing::HasSubstr("light of lamps that it reflects is left out"));
+  EXPECT_THAT(notes.all()[0].text, testing::HasSubstr("facets together, more than 4096"));
+  // Without the large ones nothing is left out.
+  scene.instances.erase(scene.instances.begin());
+  scene.instances.pop_back();
+  Notes none;
+  EXPECT_EQ(find_flat_bodies(scene, none).bodies.size(), 4u);
+  EXPECT_TRUE(none.all().empty());
+}
+
 TEST(GentleLens, of_many_facets_is_left_to_straight_rays_and_says_so) {
   // Two gentle bowls back to back, their rims joined by walls of quads.
   constexpr std::uint32_t kCount = 32;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <span>
 #include <utility>
@@ -164,6 +165,7 @@ bool is_convex(const std::vector<Facet>& facets) {
 struct MeshOutcome {
   std::vector<Facet> facets;
   std::string trouble;
+  bool is_hopeless = false;  ///< However it is placed.
 };
 
 MeshOutcome mesh_outcome(const Mesh& mesh, const MeshFacets& mesh_facets, bool is_mirror) {
@@ -174,7 +176,10 @@ MeshOutcome mesh_outcome(const Mesh& mesh, const MeshFacets& mesh_facets, bool i
   }
   std::vector<Facet> facets = mesh_facets.facets();
   if (!is_mirror && facets.size() > kMaxFacets) {
-    return {{}, fmt::format("it has {} facets, more than {}", facets.size(), kMaxFacets)};
+    // Elsewhere rounding may make a few more of them one.
+    return {{},
+            fmt::format("it has {} facets, more than {}", facets.size(), kMaxFacets),
+            facets.size() > 2 * kMaxFacets};
   }
   if (is_mirror || facets.empty()) return {std::move(facets), ""};
   if (!mesh_facets.is_closed())
@@ -195,9 +200,10 @@ void tell_if_few(const Mesh& mesh, const MeshFacets& mesh_facets, const FlatBody
                       body.is_mirror});
 }
 
-// Adds an instance if it is a flat body.
+// Adds an instance if it is a flat body. Of meshes with far too many facets, `hopeless` says why:
+// they are not counted again at each of their places.
 void add_instance(const Scene& scene, std::uint32_t number, std::vector<LeftOut>& left_out,
-                  std::vector<BodyFacets>& bodies) {
+                  std::vector<BodyFacets>& bodies, std::map<std::uint32_t, std::string>& hopeless) {
   const Instance& instance = scene.instances[number];
   const auto* mesh_number = std::get_if<std::uint32_t>(&instance.what);
   const Mesh* mesh = mesh_number != nullptr ? &scene.meshes[*mesh_number] : nullptr;
@@ -221,6 +227,10 @@ void add_instance(const Scene& scene, std::uint32_t number, std::vector<LeftOut>
     outcome.facets = facets_of(*convex, instance.to_world);
     body.is_convex = true;
   } else {
+    if (const auto known = hopeless.find(*mesh_number); known != hopeless.end()) {
+      left_out.push_back({body.name, known->second, body.is_mirror});
+      return;
+    }
     MeshFacets mesh_facets(*mesh, instance.to_world);
     if (!mesh_facets.is_flat()) {
       tell_if_few(*mesh, mesh_facets, body, left_out);
@@ -229,6 +239,7 @@ void add_instance(const Scene& scene, std::uint32_t number, std::vector<LeftOut>
     if (outcome.trouble.empty()) {
       outcome = mesh_outcome(*mesh, mesh_facets, body.is_mirror);
       if (outcome.facets.empty() && outcome.trouble.empty()) return;
+      if (outcome.is_hopeless) hopeless[*mesh_number] = outcome.trouble;
       body.is_convex = is_convex(outcome.facets);
     }
   }
@@ -236,6 +247,64 @@ void add_instance(const Scene& scene, std::uint32_t number, std::vector<LeftOut>
     bodies.push_back({body, std::move(outcome.facets), shape != nullptr});
   } else {
     left_out.push_back({body.name, outcome.trouble, body.is_mirror});
+  }
+}
+
+// Whether light that comes down on a mirror is thrown off it for good: its normals, or those of its
+// other side, lie within 22.5° of their mean, so that what one facet reflects goes up more steeply
+// than any other one rises.
+bool is_gentle(const std::vector<Facet>& facets) {
+  constexpr double kCos = 0.9238795325112867;
+  Vec3d sum(0.0);
+  for (const Facet& facet : facets) {
+    sum += glm::dot(facet.normal, facets[0].normal) < 0.0 ? -facet.normal : facet.normal;
+  }
+  const double length = glm::length(sum);
+  return std::all_of(facets.begin(), facets.end(), [&](const Facet& facet) {
+    return std::abs(glm::dot(facet.normal, sum)) >= kCos * length;
+  });
+}
+
+// Rays from every facet are asked of every other, and where facets light each other more and more
+// of them are sent: the time grows as the square of their number, to a minute and a half for wavy
+// mirrors of 4096 facets together. Gentle ones of 30 000 take six seconds. Those of the most facets
+// are left out, all of as many alike, until the others are few enough.
+void leave_out_largest_mirrors(std::vector<BodyFacets>& bodies, std::vector<LeftOut>& left_out) {
+  constexpr std::size_t kMaxSteep = 4096, kMaxGentle = 64 * kMaxFacets;
+  std::vector<std::uint8_t> is_steep;
+  for (const BodyFacets& body : bodies) is_steep.push_back(is_gentle(body.facets) ? 0 : 1);
+  for (const bool steep : {true, false}) {
+    const std::size_t most = steep ? kMaxSteep : kMaxGentle;
+    std::map<std::size_t, std::size_t> facets_by_size;
+    std::size_t all = 0;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (!bodies[i].body.is_mirror || (is_steep[i] != 0) != steep) continue;
+      facets_by_size[bodies[i].facets.size()] += bodies[i].facets.size();
+      all += bodies[i].facets.size();
+    }
+    std::size_t largest = 0, kept = 0;
+    for (const auto& [size, facets] : facets_by_size) {
+      kept += facets;
+      if (kept > most) break;
+      largest = size;
+    }
+    if (kept <= most) continue;
+    std::vector<BodyFacets> rest;
+    std::vector<std::uint8_t> rest_is_steep;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      BodyFacets& body = bodies[i];
+      if (!body.body.is_mirror || (is_steep[i] != 0) != steep || body.facets.size() <= largest) {
+        rest.push_back(std::move(body));
+        rest_is_steep.push_back(is_steep[i]);
+        continue;
+      }
+      left_out.push_back({body.body.name,
+                          fmt::format("{} mirrors have {} facets together, more than {}",
+                                      steep ? "wavy" : "gently curved", all, most),
+                          true});
+    }
+    bodies = std::move(rest);
+    is_steep = std::move(rest_is_steep);
   }
 }
 
@@ -284,9 +353,11 @@ FlatBodies find_flat_bodies(const Scene& scene, Notes& notes) {
   FlatBodies found;
   std::vector<LeftOut> left_out;
   std::vector<BodyFacets> bodies;
+  std::map<std::uint32_t, std::string> hopeless;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    add_instance(scene, i, left_out, bodies);
+    add_instance(scene, i, left_out, bodies, hopeless);
   }
+  leave_out_largest_mirrors(bodies, left_out);
   leave_out_enclosed(scene, bodies, left_out);
   find_inclusions(scene, bodies);
   for (auto troubles = arrange(bodies); !troubles.empty(); troubles = arrange(bodies)) {

@@ -17,7 +17,7 @@ namespace abbe {
 
 /// How light is followed over facets.
 struct CausticOptions {
-  bool exact = true;           ///< Otherwise straight shadow rays everywhere.
+  bool exact = true;  ///< Otherwise straight shadow rays everywhere.
   static constexpr int kMostInnerReflections = 20;
   int inner_reflections = 16;  ///< Most of them on one chain, at most those.
   double cutoff = 1e-4;        ///< Chains whose weight stays below this are cut.

@@ -3,19 +3,13 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <span>
 
 #include "abbe/caustics/flat/light/known_misses.h"
+#include "abbe/caustics/flat/light/shooting.h"
 #include "abbe/caustics/flat/point_chain.h"
 
 namespace abbe {
-
-/// Where light crosses the refracting faces of a chain, in the coordinates of their frames.
-using Crossings = std::array<Vec2d, kMaxRefractions>;
-
-/// Whether a path is of no use whose crossings are these, off by at most so much.
-using GivesUp = std::function<bool(const Crossings& at, double off_m)>;
 
 /// How crossings move.
 struct CrossingSlopes {

@@ -54,12 +54,11 @@ class Sides : public testing::TestWithParam<bool> {
   }
 
   Scene scene_;
-  bool may_share_ = true;  // Glass does not.
+  bool may_share_ = true;  // Whether the scene has copies that can.
 };
 INSTANTIATE_TEST_SUITE_P(FlatAndShared, Sides, testing::Bool());
 
 TEST_P(Sides, eye_sees_the_front_alone) {
-  may_share_ = false;  // Nor does what shines.
   Material shining = test::emitter(Vec3f(1.0f));
   for (const bool both : {false, true}) {
     shining.double_sided = both;
@@ -71,14 +70,12 @@ TEST_P(Sides, eye_sees_the_front_alone) {
 }
 
 TEST_P(Sides, mirror_image_has_its_front_on_the_other_side) {
-  may_share_ = false;  // Nor does what shines.
   add_sheet(test::emitter(Vec3f(1.0f)), mirrored());
   EXPECT_NEAR(seen_from(1.0, 0.0), 0.0, 1e-5);
   EXPECT_NEAR(seen_from(-1.0, 0.0), 1.0, 1e-5);
 }
 
 TEST_P(Sides, mirror_shows_the_front_alone) {
-  may_share_ = false;  // Nor does what shines.
   for (const bool turned : {false, true}) {
     scene_ = {};
     add_sheet(test::emitter(Vec3f(1.0f)), turned ? turned_over() : Mat4d(1.0));
@@ -105,7 +102,6 @@ TEST_P(Sides, front_alone_stops_light) {
 }
 
 TEST_P(Sides, front_alone_stops_light_of_what_has_an_area) {
-  may_share_ = GetParam();
   add_floor(test::matte(Vec3f(0.5f)));
   Light lamp = test::point_light({0.1, 0.2, 5.0}, 100.0);
   lamp.shape = SphereLamp{0.05};
@@ -143,7 +139,6 @@ TEST_P(Sides, coverage_does_not_change_the_rule) {
 }
 
 TEST_P(Sides, what_lets_light_through_is_there_from_both_sides) {
-  may_share_ = false;
   Material pane = test::glass(1.5);
   pane.has_volume = false;
   for (const bool turned : {false, true}) {
@@ -158,7 +153,6 @@ TEST_P(Sides, what_lets_light_through_is_there_from_both_sides) {
   Material paper = test::matte(Vec3f(0.8f));
   paper.diffuse_transmission = DiffuseTransmission{};
   paper.diffuse_transmission->factor = 0.5f;
-  may_share_ = true;
   for (const double side : {1.0, -1.0}) {
     scene_.instances.clear();
     scene_.meshes.clear();

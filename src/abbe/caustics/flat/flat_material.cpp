@@ -12,7 +12,7 @@
 namespace abbe {
 namespace {
 
-enum Channel : std::size_t { kR, kG, kB, kA };
+enum Channel : std::size_t { R, G, B, A };
 
 template <typename Value>
 float largest(std::span<const Value> rgba, Channel channel) {
@@ -55,10 +55,10 @@ float most_of(const Scene& scene, const std::optional<TextureUse>& use, Channel 
 bool is_smooth(const Scene& scene, const Material& material) {
   if (material.glossiness_texture) {
     return material.roughness < kSmoothRoughness &&
-           are_full(scene, material.glossiness_texture, {kA});
+           are_full(scene, material.glossiness_texture, {A});
   }
   if (material.roughness < kSmoothRoughness) return true;
-  return material.roughness * most_of(scene, material.metallic_roughness_texture, kG) <
+  return material.roughness * most_of(scene, material.metallic_roughness_texture, G) <
          kSmoothRoughness;
 }
 
@@ -79,7 +79,7 @@ bool is_coloured(const Mesh* mesh) {
 // Whether it is there as a whole.
 bool covers(const Scene& scene, const Material& material, const Mesh* mesh) {
   if (material.alpha_mode == AlphaMode::Opaque) return true;
-  if (!are_full(scene, material.base_color_texture, {kA})) return false;
+  if (!are_full(scene, material.base_color_texture, {A})) return false;
   const float least = material.base_color_rec709.w * least_alpha(mesh);
   return least >= (material.alpha_mode == AlphaMode::Mask ? material.alpha_cutoff : 1.0f);
 }
@@ -87,10 +87,10 @@ bool covers(const Scene& scene, const Material& material, const Mesh* mesh) {
 std::string trouble_of(const Scene& scene, const Material& material, const Mesh* mesh,
                        bool is_mirror) {
   if (!covers(scene, material, mesh)) return "it covers only a part (alphaMode, alpha)";
-  if (!are_full(scene, material.base_color_texture, {kR, kG, kB})) return "a texture colours it";
+  if (!are_full(scene, material.base_color_texture, {R, G, B})) return "a texture colours it";
   if (is_coloured(mesh)) return "its vertices colour it";
   if (material.metallic > 0.0f && !material.conductor &&
-      !are_full(scene, material.metallic_roughness_texture, {kB})) {
+      !are_full(scene, material.metallic_roughness_texture, {B})) {
     return "a texture says where it is metal";
   }
   if (material.normal_texture && material.normal_scale != 0.0f) return "a normal map bends it";
@@ -122,7 +122,7 @@ std::string trouble_of(const Scene& scene, const Material& material, const Mesh*
     return fmt::format("only a part of it lets light through (transmissionFactor {})",
                        material.transmission);
   }
-  if (!are_full(scene, material.transmission_texture, {kR})) {
+  if (!are_full(scene, material.transmission_texture, {R})) {
     return "a texture says where it lets light through";
   }
   return "";

@@ -250,13 +250,14 @@ std::shared_ptr<const Environment> studio_environment(double rotation_deg) {
   EnvironmentImage& image = result->image;
   image.width = 512;
   image.height = 256;
-  const auto texels = static_cast<std::size_t>(image.width * image.height);
+  const auto width = static_cast<std::size_t>(image.width);
+  const std::size_t texels = width * static_cast<std::size_t>(image.height);
   std::vector<double> luminance(texels);
-  const auto for_each = [&image](const auto& body) {
+  const auto for_each = [&image, width](const auto& body) {
     for (int y = 0; y < image.height; ++y) {
       for (int x = 0; x < image.width; ++x) {
         body(direction_of_texel(x, y, image.width, image.height),
-             static_cast<std::size_t>(y * image.width + x),
+             static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x),
              2.0 * kPi * kPi / (image.width * image.height) *
                  std::sin(kPi * (y + 0.5) / image.height));
       }

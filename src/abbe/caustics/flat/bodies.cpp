@@ -272,6 +272,7 @@ bool is_gentle(const std::vector<Facet>& facets) {
 void leave_out_largest_mirrors(std::vector<BodyFacets>& bodies, std::vector<LeftOut>& left_out) {
   constexpr std::size_t kMaxSteep = 4096, kMaxGentle = 64 * kMaxFacets;
   std::vector<std::uint8_t> is_steep;
+  is_steep.reserve(bodies.size());
   for (const BodyFacets& body : bodies) is_steep.push_back(is_gentle(body.facets) ? 0 : 1);
   for (const bool steep : {true, false}) {
     const std::size_t most = steep ? kMaxSteep : kMaxGentle;

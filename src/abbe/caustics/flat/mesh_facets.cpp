@@ -57,7 +57,7 @@ std::vector<Vec3d> without_bumps(std::vector<Vec3d> polygon, double rounding_m) 
 MeshFacets::MeshFacets(const Mesh& mesh, const Mat4d& to_world) : mesh_(mesh) {
   WeldedMesh welded = weld(mesh);
   for (const Vec3f& corner : welded.corners) {
-    corners_.push_back(Vec3d(to_world * Vec4d(Vec3d(corner), 1.0)));
+    corners_.emplace_back(to_world * Vec4d(Vec3d(corner), 1.0));
     rounding_m_.push_back(rounding_m(corner, to_world));
   }
   triangles_ = std::move(welded.triangles);

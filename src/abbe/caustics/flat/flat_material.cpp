@@ -14,17 +14,12 @@ namespace {
 
 enum Channel : std::size_t { R, G, B, A };
 
-template <typename Value>
-float largest(std::span<const Value> rgba, Channel channel) {
-  Value most = 0;
-  for (std::size_t i = channel; i < rgba.size(); i += 4) most = std::max(most, rgba[i]);
-  return static_cast<float>(most) / static_cast<float>(std::numeric_limits<Value>::max());
-}
-
-template <typename Value>
-bool is_full(std::span<const Value> rgba, Channel channel) {
+// Whether a condition holds for a channel of all texels, as a share of its greatest value.
+template <typename Value, typename Condition>
+bool holds_for_all(std::span<const Value> rgba, Channel channel, const Condition& condition) {
+  constexpr float kGreatest = std::numeric_limits<Value>::max();
   for (std::size_t i = channel; i < rgba.size(); i += 4) {
-    if (rgba[i] != std::numeric_limits<Value>::max()) return false;
+    if (!condition(static_cast<float>(rgba[i]) / kGreatest)) return false;
   }
   return true;
 }
@@ -33,23 +28,22 @@ const TextureImage& image_of(const Scene& scene, const TextureUse& use) {
   return scene.images[scene.textures[use.texture].image];
 }
 
+template <typename Condition>
+bool holds_for_all(const Scene& scene, const TextureUse& use, Channel channel,
+                   const Condition& condition) {
+  const TextureImage& image = image_of(scene, use);
+  return image.rgba8.empty()
+             ? holds_for_all(std::span<const std::uint16_t>(image.rgba16), channel, condition)
+             : holds_for_all(std::span<const std::uint8_t>(image.rgba8), channel, condition);
+}
+
 // Whether channels of a texture are 1 everywhere, or there is none.
 bool are_full(const Scene& scene, const std::optional<TextureUse>& use,
               std::initializer_list<Channel> channels) {
   if (!use) return true;
-  const TextureImage& image = image_of(scene, *use);
   return std::all_of(channels.begin(), channels.end(), [&](Channel channel) {
-    return image.rgba8.empty() ? is_full(std::span<const std::uint16_t>(image.rgba16), channel)
-                               : is_full(std::span<const std::uint8_t>(image.rgba8), channel);
+    return holds_for_all(scene, *use, channel, [](float value) { return value == 1.0f; });
   });
-}
-
-// The most that a texture leaves of what it multiplies.
-float most_of(const Scene& scene, const std::optional<TextureUse>& use, Channel channel) {
-  if (!use) return 1.0f;
-  const TextureImage& image = image_of(scene, *use);
-  return image.rgba8.empty() ? largest(std::span<const std::uint16_t>(image.rgba16), channel)
-                             : largest(std::span<const std::uint8_t>(image.rgba8), channel);
 }
 
 bool is_smooth(const Scene& scene, const Material& material) {
@@ -58,8 +52,10 @@ bool is_smooth(const Scene& scene, const Material& material) {
            are_full(scene, material.glossiness_texture, {A});
   }
   if (material.roughness < kSmoothRoughness) return true;
-  return material.roughness * most_of(scene, material.metallic_roughness_texture, G) <
-         kSmoothRoughness;
+  // Most are rough at their first texel.
+  return material.metallic_roughness_texture &&
+         holds_for_all(scene, *material.metallic_roughness_texture, G,
+                       [&](float value) { return material.roughness * value < kSmoothRoughness; });
 }
 
 // The least alpha of the vertices of a mesh.
@@ -131,12 +127,11 @@ std::string trouble_of(const Scene& scene, const Material& material, const Mesh*
 }  // namespace
 
 FlatMaterial flat_material(const Scene& scene, const Material& material, const Mesh* mesh) {
-  if (material.unlit || !is_smooth(scene, material)) return {};
   // Of what is both, the larger part counts.
   const bool is_mirror = material.metallic >= 0.5f || material.conductor;
   const bool is_glass = material.has_volume && material.transmission > 0.0f &&
                         !material.index_is_infinite && !is_mirror;
-  if (!is_mirror && !is_glass) return {};
+  if ((!is_mirror && !is_glass) || material.unlit || !is_smooth(scene, material)) return {};
   FlatMaterial result;
   result.kind = is_mirror ? FlatMaterial::Kind::Mirror : FlatMaterial::Kind::Glass;
   result.trouble = trouble_of(scene, material, mesh, is_mirror);

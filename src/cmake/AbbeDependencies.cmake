@@ -11,7 +11,10 @@ set(ABBE_DEPENDENCIES
   TinyGLTF
   yaml-cpp
   CLI11
-  OpenColorIO
+  OpenColorIO)
+
+# What only the module stands on that is loaded when first needed: programs do not link it.
+set(ABBE_MODULE_DEPENDENCIES
   OpenImageIO)
 
 # Libraries that one feature each needs, which says so where it is asked for without them.

@@ -12,6 +12,7 @@ install(TARGETS abbe abbe_baseline ${modules} EXPORT abbe-targets
 if(TARGET abbe_draco)
   install(FILES ${PROJECT_BINARY_DIR}/libabbe_draco.a DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endif()
+install(TARGETS abbe_raster LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/abbe)
 if(TARGET abbe_program)
   install(TARGETS abbe_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
@@ -31,5 +32,4 @@ install(FILES
   ${PROJECT_BINARY_DIR}/abbe-config-version.cmake
   ${CMAKE_CURRENT_LIST_DIR}/AbbeDependencies.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindOpenColorIO.cmake
-  ${CMAKE_CURRENT_LIST_DIR}/FindOpenImageIO.cmake
   DESTINATION ${package_folder})

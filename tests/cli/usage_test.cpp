@@ -1,6 +1,8 @@
 /// Wrong usage: exit code 2, one line that names what is wrong, and nothing left behind.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "program.h"
 
 namespace abbe::test {
@@ -138,6 +140,17 @@ TEST_F(UsageTest, version_is_one_line_on_stdout) {
   const Outcome run = abbe({"--version"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_EQ(run.out, "abbe " ABBE_VERSION "\n");
+}
+
+class StartTest : public ProgramTest {};
+
+// A third of a second of every call would go into libraries that few calls need.
+TEST_F(StartTest, program_stands_on_few_libraries) {
+  set_environment("LD_TRACE_LOADED_OBJECTS", "1");  // The loader lists them instead of starting it.
+  const std::string libraries = abbe({"--version"}).out;
+  EXPECT_THAT(libraries, HasSubstr("libc.so"));
+  EXPECT_THAT(libraries, testing::Not(HasSubstr("OpenImageIO")));
+  EXPECT_LT(std::count(libraries.begin(), libraries.end(), '\n'), 40);
 }
 
 }  // namespace

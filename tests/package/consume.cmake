@@ -51,4 +51,6 @@ if(WAY STREQUAL find_package AND EXISTS ${SCRATCH_DIR}/prefix/bin/abbe)
   if(NOT output MATCHES "--size 160x90 --crop 60,20,100,70")
     message(FATAL_ERROR "the consumer's file does not say how it was made:\n${output}")
   endif()
+  # So it does with what reads and writes JPEG, which is loaded when first needed.
+  run(${SCRATCH_DIR}/prefix/bin/abbe display ${SCRATCH_DIR}/crop.exr -o ${SCRATCH_DIR}/crop.jpg)
 endif()

@@ -1,5 +1,3 @@
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,10 +6,12 @@
 #include <locale>
 #include <memory>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "abbe/base/error.h"
+#include "abbe/image/raster/codec.h"
 #include "abbe/image/raster/raster.h"
 #include "abbe/image/raster/texture_structure.h"
 
@@ -21,20 +21,16 @@ namespace {
 constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
 constexpr std::int64_t kMaxValues = std::int64_t{1} << 31;
 
-// Libraries report several lines; the first says what happened.
-std::string first_line(const std::string& text) {
-  return text.substr(0, text.find('\n'));
+bool is_bounded(const RasterHeader& header) {
+  const std::int64_t pixels = std::int64_t{header.width} * header.height;
+  const auto channels = static_cast<std::int64_t>(header.channels.size());
+  return header.width > 0 && header.height > 0 && header.depth <= 1 && channels > 0 &&
+         pixels <= kMaxPixels && pixels * channels <= kMaxValues;
 }
 
-bool is_bounded(const OIIO::ImageSpec& spec) {
-  const std::int64_t pixels = std::int64_t{spec.width} * spec.height;
-  return spec.width > 0 && spec.height > 0 && spec.depth <= 1 && spec.nchannels > 0 &&
-         pixels <= kMaxPixels && pixels * spec.nchannels <= kMaxValues;
-}
-
-std::string size_of(const OIIO::ImageSpec& spec) {
-  return std::to_string(spec.width) + "x" + std::to_string(spec.height) + " pixels of " +
-         std::to_string(spec.nchannels) + " channels";
+std::string size_of(const RasterHeader& header) {
+  return std::to_string(header.width) + "x" + std::to_string(header.height) + " pixels of " +
+         std::to_string(header.channels.size()) + " channels";
 }
 
 // One to four channels as R, G, B, A: grey is repeated, missing alpha is 1.
@@ -54,18 +50,21 @@ void to_rgba(const T* in, std::size_t pixels, std::size_t channels, T opaque, T*
 }
 
 // A file whose header is good.
-std::unique_ptr<OIIO::ImageInput> open_raster(const std::filesystem::path& file) {
+std::unique_ptr<RasterInput> open_raster(const std::filesystem::path& file) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) {
     reject_raster(file, std::filesystem::exists(file, ignored)
                             ? "something that is not a regular file"
                             : "no such file");
   }
-  OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  auto input = OIIO::ImageInput::open(file.string(), &config);
-  if (!input) reject_raster(file, first_line(OIIO::geterror()));
-  if (!is_bounded(input->spec())) reject_raster(file, size_of(input->spec()));
+  const RasterCodec& codec = raster_codec();
+  std::unique_ptr<RasterInput> input;
+  try {
+    input = codec.open(file.string());
+  } catch (const std::runtime_error& unreadable) {
+    reject_raster(file, unreadable.what());
+  }
+  if (!is_bounded(input->header())) reject_raster(file, size_of(input->header()));
   return input;
 }
 
@@ -85,10 +84,44 @@ void divide_by_alpha(std::vector<std::uint8_t>& rgba) {
   }
 }
 
+// Strip by strip: the pixels as they are in the file are not held beside those that are kept.
+template <typename Value>
+std::vector<Value> rgba_of(RasterInput& input, RasterValue value, Value opaque) {
+  constexpr int kStripRows = 64;
+  const RasterHeader& header = input.header();
+  const auto width = static_cast<std::size_t>(header.width);
+  const std::size_t channels = header.channels.size();
+  std::vector<Value> rgba(4 * width * static_cast<std::size_t>(header.height));
+  std::vector<Value> strip(width * kStripRows * channels);
+  for (int row = 0; row < header.height; row += kStripRows) {
+    const int end = std::min(row + kStripRows, header.height);
+    input.read_rows(row, end, value, strip.data());
+    to_rgba(strip.data(), width * static_cast<std::size_t>(end - row), channels, opaque,
+            rgba.data() + 4 * width * static_cast<std::size_t>(row));
+  }
+  return rgba;
+}
+
+DecodedTexture decoded(RasterInput& input, TextureFormat format) {
+  const RasterHeader& header = input.header();
+  DecodedTexture texture;
+  texture.width = header.width;
+  texture.height = header.height;
+  if (header.has_8_bits) {
+    texture.rgba8 = rgba_of(input, RasterValue::Code8, std::uint8_t{255});
+    if (format == TextureFormat::WebP && header.is_alpha_multiplied) {
+      divide_by_alpha(texture.rgba8);
+    }
+  } else {
+    texture.rgba16 = rgba_of(input, RasterValue::Code16, std::uint16_t{65535});
+  }
+  return texture;
+}
+
 }  // namespace
 
 DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::string& where) {
-  const auto reject = [&](const std::string& found) {
+  const auto reject = [&] [[noreturn]] (const std::string& found) {
     throw_input_error(where, found, "a PNG, JPEG or WebP image");
   };
   const std::string error = texture_structure_error(bytes);
@@ -98,51 +131,17 @@ DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::st
                              : kind == TextureFormat::Jpeg ? "jpeg"
                                                            : "webp";
 
-  OIIO::Filesystem::IOMemReader memory(const_cast<std::uint8_t*>(bytes.data()), bytes.size());
-  OIIO::Filesystem::IOProxy* proxy = &memory;
-  OIIO::ImageSpec config;
-  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  // Alpha is coverage beside the colour in glTF; nothing may be multiplied into the colour.
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  const auto input = OIIO::ImageInput::create(format);
-  if (!input) reject("a build of OpenImageIO without " + format);
-  const auto decoding_failed = [&] {
-    const std::string reason = first_line(input->geterror());
+  const RasterCodec& codec = raster_codec();
+  try {
+    const std::unique_ptr<RasterInput> input = codec.open(bytes, format);
+    if (!input) reject("a build of OpenImageIO without " + format);
+    const RasterHeader& header = input->header();
+    if (!is_bounded(header) || header.channels.size() > 4) reject(size_of(header));
+    return decoded(*input, kind);
+  } catch (const std::runtime_error& broken) {
+    const std::string reason = broken.what();
     reject("a broken " + format + (reason.empty() ? "" : ": " + reason));
-  };
-  OIIO::ImageSpec spec;
-  if (!input->open("texture." + format, spec, config)) decoding_failed();
-  if (!is_bounded(spec) || spec.nchannels > 4) reject(size_of(spec));
-
-  DecodedTexture texture;
-  texture.width = spec.width;
-  texture.height = spec.height;
-  const auto channels = static_cast<std::size_t>(spec.nchannels);
-  // Strip by strip: the pixels as they are in the file are not held beside those that are kept.
-  constexpr int kStripRows = 64;
-  const auto decode = [&](OIIO::TypeDesc type, auto opaque) {
-    using Value = decltype(opaque);
-    const auto width = static_cast<std::size_t>(spec.width);
-    std::vector<Value> rgba(4 * width * static_cast<std::size_t>(spec.height));
-    std::vector<Value> strip(width * kStripRows * channels);
-    for (int row = 0; row < spec.height; row += kStripRows) {
-      const int end = std::min(row + kStripRows, spec.height);
-      if (!input->read_scanlines(0, 0, row, end, 0, 0, spec.nchannels, type, strip.data())) {
-        decoding_failed();
-      }
-      to_rgba(strip.data(), width * static_cast<std::size_t>(end - row), channels, opaque,
-              rgba.data() + 4 * width * static_cast<std::size_t>(row));
-    }
-    return rgba;
-  };
-  if (spec.format == OIIO::TypeDesc::UINT8) {
-    texture.rgba8 = decode(OIIO::TypeDesc::UINT8, std::uint8_t{255});
-    const bool is_associated = spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
-    if (kind == TextureFormat::WebP && is_associated) divide_by_alpha(texture.rgba8);
-  } else {
-    texture.rgba16 = decode(OIIO::TypeDesc::UINT16, std::uint16_t{65535});
   }
-  return texture;
 }
 
 namespace {
@@ -211,25 +210,25 @@ void apply_radiance_header(const std::filesystem::path& file, int orientation, I
 
 Image read_raster(const std::filesystem::path& file) {
   const auto input = open_raster(file);
-  const OIIO::ImageSpec& spec = input->spec();
+  const RasterHeader& header = input->header();
 
   Image image;
-  image.width = spec.width;
-  image.height = spec.height;
-  image.channels = spec.channelnames;
-  const std::size_t pixels = static_cast<std::size_t>(spec.width) * spec.height;
+  image.width = header.width;
+  image.height = header.height;
+  image.channels = header.channels;
+  const std::size_t pixels = static_cast<std::size_t>(header.width) * header.height;
   image.pixels.resize(pixels * image.channel_count());
-  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data())) {
-    reject_raster(file, first_line(input->geterror()));
+  try {
+    input->read(image.pixels.data());
+  } catch (const std::runtime_error& broken) {
+    reject_raster(file, broken.what());
   }
-  if (std::string(input->format_name()) == "hdr") {
-    apply_radiance_header(file, spec.get_int_attribute("Orientation", 1), image);
-  }
+  if (header.format == "hdr") apply_radiance_header(file, header.orientation, image);
   return image;
 }
 
 bool raster_has_codes(const std::filesystem::path& file) {
-  return !open_raster(file)->spec().format.is_floating_point();
+  return !open_raster(file)->header().is_floating_point;
 }
 
 }  // namespace abbe

@@ -1,17 +1,17 @@
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <stdexcept>
 
 #include "abbe/base/error.h"
 #include "abbe/base/file.h"
 #include "abbe/base/parallel.h"
 #include "abbe/base/text.h"
 #include "abbe/image/channels.h"
+#include "abbe/image/raster/codec.h"
 #include "abbe/image/raster/png_tags.h"
 #include "abbe/image/raster/raster.h"
 #include "abbe/math/random.h"
@@ -100,30 +100,20 @@ void write_raster(const std::filesystem::path& file, const Image& rgb_encoded,
   std::vector<std::uint16_t> codes16;
   is_deep ? void(codes16 = codes_of<std::uint16_t>(rgb_encoded, rgb, options.dither))
           : void(codes8 = codes_of<std::uint8_t>(rgb_encoded, rgb, options.dither));
-  const OIIO::TypeDesc type = is_deep ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
-  const void* codes = is_deep ? static_cast<const void*>(codes16.data()) : codes8.data();
-
   const std::string display = display_of(rgb_encoded);
-  OIIO::ImageSpec spec(rgb_encoded.width, rgb_encoded.height, 3, type);
-  if (display.starts_with("sRGB")) spec.attribute("oiio:ColorSpace", "sRGB");
-  if (format == "jpeg") {
-    spec.attribute("Compression", "jpeg:95");
-    // Fringes are a pixel or two wide: halved chroma would wash them out.
-    spec.attribute("jpeg:subsampling", "4:4:4");
-  }
-
-  // OpenImageIO would put the present time into a TIFF.
-  if (format == "tiff") spec.attribute("DateTime", "");
-
+  RasterOutput image;
+  image.width = rgb_encoded.width;
+  image.height = rgb_encoded.height;
+  image.value = is_deep ? RasterValue::Code16 : RasterValue::Code8;
+  image.codes = is_deep ? static_cast<const void*>(codes16.data()) : codes8.data();
+  image.is_srgb = display.starts_with("sRGB");
+  const RasterCodec& codec = raster_codec();
   write_atomically(file, [&](const std::filesystem::path& temporary) {
-    const auto output = OIIO::ImageOutput::create(format);
-    const auto reject = [&](const std::string& reason) {
-      throw_output_error(file.string(), reason, "an image that can be written as " + format);
-    };
-    if (!output) reject(OIIO::geterror());
-    if (!output->open(temporary.string(), spec)) reject(output->geterror());
-    if (!output->write_image(type, codes)) reject(output->geterror());
-    if (!output->close()) reject(output->geterror());
+    try {
+      codec.write(temporary.string(), format, image);
+    } catch (const std::runtime_error& failed) {
+      throw_output_error(file.string(), failed.what(), "an image that can be written as " + format);
+    }
     if (format == "png") tag_png(temporary, display);
   });
 }

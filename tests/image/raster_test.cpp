@@ -126,6 +126,76 @@ TEST(Raster, sixteen_bits_keep_what_eight_round_away) {
   EXPECT_NEAR(read_raster(folder / "a.jpg").pixels[1], 0.5f, 4.0f / 255.0f);
 }
 
+// Rows that each filter of PNG suits best: noise, ramps along, across and both, equal ones.
+Image rows_for_filters(int width) {
+  Image image;
+  image.width = width;
+  image.height = 60;
+  image.channels = {"R", "G", "B"};
+  std::uint32_t noise = 1;
+  for (int y = 0; y < image.height; ++y) {
+    for (int i = 0; i < 3 * width; ++i) {
+      noise = noise * 1664525u + 1013904223u;
+      const int along = y % 12 < 6 ? 37 * i : 0;
+      const int across = y % 20 < 10 ? 4391 * y : 0;
+      const int grain = y % 30 < 15 ? static_cast<int>(noise >> 16) : 0;
+      image.pixels.push_back(static_cast<float>((along + across + grain) % 65536) / 65535.0f);
+    }
+  }
+  return image;
+}
+
+std::vector<std::uint8_t> opaque_codes(const Image& rgb) {
+  std::vector<std::uint8_t> codes;
+  for (std::size_t i = 0; i < rgb.pixels.size(); ++i) {
+    codes.push_back(static_cast<std::uint8_t>(std::lround(rgb.pixels[i] * 255.0f)));
+    if (i % 3 == 2) codes.push_back(255);
+  }
+  return codes;
+}
+
+TEST(Raster, png_of_any_rows_holds_the_codes_that_a_tiff_holds) {
+  const TemporaryFolder folder;
+  for (const int width : {1, 2, 301}) {
+    const Image image = rows_for_filters(width);
+    for (const int bits : {8, 16}) {
+      write_raster(folder / "a.png", image, {.bits = bits});
+      write_raster(folder / "a.tif", image, {.bits = bits});
+      EXPECT_EQ(read_raster(folder / "a.png").pixels, read_raster(folder / "a.tif").pixels)
+          << width << " pixels of " << bits << " bits";
+      const auto input = OIIO::ImageInput::open((folder / "a.png").string());
+      ASSERT_TRUE(input);
+      EXPECT_EQ(input->spec().format.size() * 8, bits);
+    }
+  }
+}
+
+TEST(Raster, png_as_a_texture_has_the_codes_that_were_written) {
+  const TemporaryFolder folder;
+  for (const int width : {1, 2, 301}) {
+    write_raster(folder / "a.png", rows_for_filters(width));
+    EXPECT_EQ(decode_texture(bytes_of(folder / "a.png"), "").rgba8,
+              opaque_codes(read_raster(folder / "a.png")));
+  }
+}
+
+TEST(Raster, png_of_a_megabyte_and_more_is_one_stream) {
+  const TemporaryFolder folder;
+  Image image = rows_for_filters(3);
+  image.width = 600;
+  image.height = 1200;
+  image.pixels.clear();
+  std::uint32_t noise = 1;
+  for (std::size_t i = 0; i < std::size_t{3} * 600 * 1200; ++i) {
+    noise = noise * 1664525u + 1013904223u;
+    image.pixels.push_back(static_cast<float>(noise >> 24) / 255.0f);
+  }
+  write_raster(folder / "a.png", image);
+  EXPECT_GT(bytes_of(folder / "a.png").size(), std::size_t{2} << 20);
+  EXPECT_EQ(opaque_codes(read_raster(folder / "a.png")), opaque_codes(image));
+  EXPECT_EQ(decode_texture(bytes_of(folder / "a.png"), "").rgba8, opaque_codes(image));
+}
+
 TEST(Raster, dither_keeps_the_mean_and_breaks_the_bands) {
   const TemporaryFolder folder;
   std::vector<float> values(3 * 4096, 100.3f / 255.0f);

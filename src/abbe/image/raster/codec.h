@@ -55,7 +55,7 @@ class RasterCodec {
   /// Null where OpenImageIO was built without the format. The bytes have to outlive the answer.
   virtual std::unique_ptr<RasterInput> open(std::span<const std::uint8_t> bytes,
                                             const std::string& format) const = 0;
-  /// As "png", "jpeg" or "tiff", without a date. Errors: std::runtime_error.
+  /// As "jpeg" or "tiff", without a date. Errors: std::runtime_error.
   virtual void write(const std::string& file, const std::string& format,
                      const RasterOutput& image) const = 0;
 };

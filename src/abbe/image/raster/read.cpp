@@ -5,14 +5,18 @@
 #include <fstream>
 #include <locale>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "abbe/base/error.h"
 #include "abbe/image/raster/codec.h"
+#include "abbe/image/raster/plain_png.h"
 #include "abbe/image/raster/raster.h"
+#include "abbe/image/raster/rgba.h"
 #include "abbe/image/raster/texture_structure.h"
 
 namespace abbe {
@@ -31,18 +35,6 @@ bool is_bounded(const RasterHeader& header) {
 std::string size_of(const RasterHeader& header) {
   return std::to_string(header.width) + "x" + std::to_string(header.height) + " pixels of " +
          std::to_string(header.channels.size()) + " channels";
-}
-
-// One to four channels as R, G, B, A: grey is repeated, missing alpha is 1.
-template <typename T>
-void to_rgba(const T* in, std::size_t pixels, std::size_t channels, T opaque, T* out) {
-  const bool is_grey = channels < 3;
-  for (std::size_t p = 0; p < pixels; ++p, in += channels, out += 4) {
-    out[0] = in[0];
-    out[1] = in[is_grey ? 0 : 1];
-    out[2] = in[is_grey ? 0 : 2];
-    out[3] = channels == 4 ? in[3] : channels == 2 ? in[1] : opaque;
-  }
 }
 
 [[noreturn]] void reject_raster(const std::filesystem::path& file, const std::string& found) {
@@ -131,6 +123,10 @@ DecodedTexture decode_texture(std::span<const std::uint8_t> bytes, const std::st
                              : kind == TextureFormat::Jpeg ? "jpeg"
                                                            : "webp";
 
+  if (kind == TextureFormat::Png) {
+    if (std::optional<DecodedTexture> plain = decode_plain_png(bytes, kMaxPixels))
+      return std::move(*plain);
+  }
   const RasterCodec& codec = raster_codec();
   try {
     const std::unique_ptr<RasterInput> input = codec.open(bytes, format);

@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "abbe/image/raster/png_tags.h"
+#include "abbe/image/raster/png.h"
 
 namespace abbe {
 namespace {

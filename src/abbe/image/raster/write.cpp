@@ -2,8 +2,8 @@
 #include <array>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include "abbe/base/error.h"
@@ -12,7 +12,7 @@
 #include "abbe/base/text.h"
 #include "abbe/image/channels.h"
 #include "abbe/image/raster/codec.h"
-#include "abbe/image/raster/png_tags.h"
+#include "abbe/image/raster/png.h"
 #include "abbe/image/raster/raster.h"
 #include "abbe/math/random.h"
 
@@ -71,17 +71,10 @@ std::string display_of(const Image& image) {
   return name != nullptr ? *name : "";
 }
 
-void tag_png(const std::filesystem::path& file, const std::string& display) {
-  const std::optional<PngTags> tags = png_tags_of_display(display);
-  if (!tags) return;
-  std::ifstream in(file, std::ios::binary);
-  const std::vector<char> read((std::istreambuf_iterator<char>(in)), {});
-  in.close();
-  const std::vector<std::uint8_t> tagged =
-      with_tags({reinterpret_cast<const std::uint8_t*>(read.data()), read.size()}, *tags);
+void write_bytes(const std::filesystem::path& file, const std::vector<std::uint8_t>& bytes) {
   std::ofstream out(file, std::ios::binary | std::ios::trunc);
-  out.write(reinterpret_cast<const char*>(tagged.data()),
-            static_cast<std::streamsize>(tagged.size()));
+  out.write(reinterpret_cast<const char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
   out.close();
   if (!out) {
     throw_output_error(file.string(), "a file that could not be written to its end",
@@ -101,9 +94,19 @@ void write_raster(const std::filesystem::path& file, const Image& rgb_encoded,
   is_deep ? void(codes16 = codes_of<std::uint16_t>(rgb_encoded, rgb, options.dither))
           : void(codes8 = codes_of<std::uint8_t>(rgb_encoded, rgb, options.dither));
   const std::string display = display_of(rgb_encoded);
+  const int width = rgb_encoded.width;
+  const int height = rgb_encoded.height;
+  if (format == "png") {
+    const std::optional<PngTags> tags = png_tags_of_display(display);
+    const auto png = is_deep ? encode_png(width, height, codes16, tags)
+                             : encode_png(width, height, codes8, tags);
+    write_atomically(file,
+                     [&](const std::filesystem::path& temporary) { write_bytes(temporary, png); });
+    return;
+  }
   RasterOutput image;
-  image.width = rgb_encoded.width;
-  image.height = rgb_encoded.height;
+  image.width = width;
+  image.height = height;
   image.value = is_deep ? RasterValue::Code16 : RasterValue::Code8;
   image.codes = is_deep ? static_cast<const void*>(codes16.data()) : codes8.data();
   image.is_srgb = display.starts_with("sRGB");
@@ -114,7 +117,6 @@ void write_raster(const std::filesystem::path& file, const Image& rgb_encoded,
     } catch (const std::runtime_error& failed) {
       throw_output_error(file.string(), failed.what(), "an image that can be written as " + format);
     }
-    if (format == "png") tag_png(temporary, display);
   });
 }
 

@@ -19,7 +19,11 @@ namespace {
 // to.
 void tell_cost(const FlatCaustics& flat, Notes& notes) {
   constexpr std::size_t kMany = 750;
-  const std::size_t count = flat.parallel.chains.size() + flat.point.chains.size();
+  // Of a lamp with an extent those of one place are followed at a time.
+  std::size_t count = flat.near.parallel_count + flat.near.point_count;
+  for (const ChainsNear& place : flat.near_places) {
+    count += (place.parallel_count + place.point_count) / flat.near_places.size();
+  }
   if (count < kMany) return;
   notes.info("",
              "light of lamps takes " + std::to_string(count) +
@@ -41,18 +45,22 @@ void tell_emitters(const World& world, Notes& notes) {
 
 // Where a lamp with an extent still shines as one without.
 void warn_of_extents(const TabulatedScene& tables, const FlatCaustics& flat, Notes& notes) {
-  std::vector<bool> has_chains(tables.lights.size(), false);
-  for (const ParallelChain& chain : flat.parallel.chains) has_chains[chain.light] = true;
-  for (const PointChain& chain : flat.point.chains) {
-    has_chains[flat.point.groups[chain.group].light] = true;
-  }
+  std::vector<bool> is_one_place(tables.lights.size(), false);
+  const auto look_at = [&](const ChainPath& chain) {
+    const ChainSource& source = flat.sources[chain.source];
+    if (!source.is_part) is_one_place[source.lamp] = true;
+  };
+  for (const ParallelChain& chain : flat.parallel.chains) look_at(chain);
+  for (const PointChain& chain : flat.point.chains) look_at(chain);
   for (std::size_t i = 0; i < tables.lights.size(); ++i) {
     const WorldLight& light = tables.lights[i];
-    if (!light.extent || (!has_chains[i] && !tables.fog)) continue;
-    notes.warn("light \"" + light.name + "\"",
-               has_chains[i] ? "its shape counts on straight ways; through flat glass and off "
-                               "mirrors it shines from its middle"
-                             : "its shape counts on surfaces; in fog it shines from its middle");
+    if (!light.extent || (!is_one_place[i] && !tables.fog)) continue;
+    notes.warn(
+        "light \"" + light.name + "\"",
+        is_one_place[i]
+            ? "its shape counts on straight ways; there is so much flat glass that it shines "
+              "from its middle through it and off mirrors"
+            : "its shape counts on surfaces; in fog it shines from its middle");
   }
 }
 

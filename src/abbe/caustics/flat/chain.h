@@ -55,9 +55,9 @@ struct ChainStep {
 /// one.
 ChainStep make_chain_step(const FlatBodies& flat, std::uint32_t facet, ChainEvent event);
 
-/// The facets that light of one lamp meets one after the other.
+/// The facets that light of one lamp, or place of one, meets one after the other.
 struct ChainPath {
-  std::uint32_t light = 0;
+  std::uint32_t source = 0;  ///< In FlatCaustics::sources.
   std::vector<ChainStep> steps;
   Vec3f origin{0.0f};    ///< Points are taken relative to it: keeps precision.
   float slack_m = 0.0f;  ///< Covers the rounding errors of places on its facets across them.

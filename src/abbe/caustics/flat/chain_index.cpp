@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 namespace abbe {
 namespace {
@@ -24,11 +24,11 @@ ChainIndex::Cell::~Cell() {
   for (std::atomic<Cell*>& child : children) delete child.load(std::memory_order_relaxed);
 }
 
-ChainIndex::ChainIndex(const Box3f& bounds, std::uint32_t chains, float room)
-    : tree_(std::make_unique<Tree>()), room_(room) {
+ChainIndex::ChainIndex(const Box3f& bounds, std::vector<std::uint32_t> chains, float room,
+                       std::size_t sharers)
+    : tree_(std::make_unique<Tree>()), room_(room), most_kept_(kMaxKept / sharers) {
   Cell& root = tree_->root;
-  root.own.resize(chains);
-  std::iota(root.own.begin(), root.own.end(), 0u);
+  root.own = std::move(chains);
   root.numbers = root.own;
   if (bounds.is_empty()) return;
   const Vec3f size = bounds.size();
@@ -58,7 +58,7 @@ ChainIndex::Cell* ChainIndex::child(Cell& cell, std::size_t octant,
                                     const MayLight& may_light) const {
   if (cell.depth == kMaxDepth) return nullptr;
   if (cell.times_asked.fetch_add(1, std::memory_order_relaxed) < kOften) return nullptr;
-  if (tree_->kept.load(std::memory_order_relaxed) > kMaxKept) return nullptr;
+  if (tree_->kept.load(std::memory_order_relaxed) > most_kept_) return nullptr;
   auto made = std::make_unique<Cell>();
   made->depth = cell.depth + 1;
   made->half_m = 0.5f * cell.half_m;

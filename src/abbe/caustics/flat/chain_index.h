@@ -25,8 +25,11 @@ class ChainIndex {
 
   /// Knows nothing of any chain.
   ChainIndex() = default;
-  /// Balls that are asked about should be no larger than `room` times half the side of a cell.
-  ChainIndex(const Box3f& bounds, std::uint32_t chains, float room);
+  /// Of chains by their numbers, ascending. Balls that are asked about should be no larger than
+  /// `room` times half the side of a cell. It is one of so many that share what such trees may
+  /// take.
+  ChainIndex(const Box3f& bounds, std::vector<std::uint32_t> chains, float room,
+             std::size_t sharers = 1);
 
   /// The numbers of the chains that may light a ball, ascending, and of some that do not.
   std::span<const std::uint32_t> near(const Vec3f& center, float radius_m,
@@ -57,6 +60,7 @@ class ChainIndex {
 
   std::unique_ptr<Tree> tree_;
   float room_ = 1.0f;
+  std::size_t most_kept_ = 0;
 };
 
 }  // namespace abbe

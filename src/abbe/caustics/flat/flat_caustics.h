@@ -45,6 +45,20 @@ struct CausticReport {
   std::vector<std::string> fallbacks;  ///< As in FlatBodies.
 };
 
+/// What chains start from: a lamp or, of one with an extent, a place that stands for a part of it.
+struct ChainSource {
+  WorldLight light;         ///< Its light is that of the whole lamp, as if it were the only place.
+  std::uint32_t lamp = 0;   ///< The number of the lamp in the scene.
+  std::uint32_t place = 0;  ///< Of as many as FlatCaustics::near_places has.
+  bool is_part = false;     ///< One of several.
+};
+
+/// Chains that are looked for together. Their indices tell numbers of all chains.
+struct ChainsNear {
+  ChainIndex parallel, point;
+  std::size_t parallel_count = 0, point_count = 0;
+};
+
 /// The chains of one light, as numbers of those of all.
 struct LightChains {
   std::vector<std::uint32_t> parallel;  ///< In ParallelChains::chains.
@@ -56,17 +70,22 @@ struct FlatCaustics {
   FlatBodies flat;
   ParallelChains parallel;
   PointChains point;
+  std::vector<ChainSource> sources;
   /// By the number of a light; fewer where the last ones have none. A light that is followed has an
   /// entry, if only an empty one: its straight rays end at what followed light passes.
   std::vector<std::optional<LightChains>> of_lights;
-  ChainIndex near_parallel;  ///< Numbers in ParallelChains::chains.
-  ChainIndex near_point;     ///< Numbers in PointChains::chains.
+  ChainsNear near;  ///< The chains of sources that are whole lamps.
+  /// Those of the others, by place. Whoever looks for light follows one, drawn for all lamps at
+  /// once: the mean over samples is the light of all places.
+  std::vector<ChainsNear> near_places;
   /// Per surface: not 0 where light that it lets pass comes on chains.
   std::vector<std::uint8_t> surface_is_exact;
   /// Whether straight lines may cross more facets of glass than chains do.
   bool exceeds_chains = false;
   CausticReport report;
 
+  const WorldLight& source_of(const ChainPath& chain) const { return sources[chain.source].light; }
+  std::uint32_t lamp_of(const ChainPath& chain) const { return sources[chain.source].lamp; }
   const LightChains* of_light(std::size_t light) const {
     return light < of_lights.size() && of_lights[light] ? &*of_lights[light] : nullptr;
   }

@@ -97,9 +97,9 @@ struct PointChain : ChainPath {
 /// Sets where the lamp's rays are counted from. Domain: the chain crosses a plane.
 void set_start(PointChain& chain);
 
-/// Chains of one light that end at the same face and side; they share a frame.
+/// Chains of one source that end at the same face and side; they share a frame.
 struct PointChainGroup {
-  std::uint32_t light = 0;
+  std::uint32_t source = 0;
   std::optional<std::uint32_t> ends_in;                ///< As in ChainPath.
   Vec3f origin{0.0f}, normal{0.0f}, u{0.0f}, v{0.0f};  ///< The normal points to what is lit.
   ConeBounds bounds;                                   ///< Of all of them.

@@ -13,6 +13,7 @@
 #include <span>
 
 #include "abbe/base/constants.h"
+#include "abbe/caustics/flat/light/drawn_place.h"
 #include "abbe/caustics/flat/light/parallel-inl.h"
 #include "abbe/caustics/flat/light/point-inl.h"
 #include "abbe/integrate/light/chain_gates-inl.h"
@@ -49,7 +50,8 @@ class FogLight {
       hn::Store(hn::Min(hn::Load(d, distance_m.v + i), farthest), d, ends_m.v + i);
     }
     const FanInFog in_fog{
-        fan, lanes, {origins, directions, ends_m}, throughput, samples_[fan.sample].set};
+        fan,           lanes, {origins, directions, ends_m}, throughput, samples_[fan.sample].set,
+        place_for(fan)};
     scatter_straight(in_fog);
     scatter_parallel_chains(in_fog);
     scatter_point_chains(in_fog);
@@ -62,6 +64,7 @@ class FogLight {
     LaneRays rays;
     const LaneArray& throughput;
     int set = 0;
+    std::uint32_t place = 0;  ///< Of lamps with an extent, the one whose chains are followed.
   };
 
   // Places on rays, and what weight they have of their segment, in metres.
@@ -186,13 +189,22 @@ class FogLight {
     }
   }
 
+  std::uint32_t place_for(const Fan& fan) const {
+    if (caustics_.near_places.empty()) return 0;
+    return drawn_place(caustics_, samples_[fan.sample].chance, fan.path);
+  }
+  bool is_followed(const FanInFog& in_fog, std::uint32_t source) const {
+    const ChainSource& from = caustics_.sources[source];
+    return !from.is_part || from.place == in_fog.place;
+  }
+
   void scatter_parallel_chains(const FanInFog& in_fog) {
     LaneSegments lit;
     LightGeometry to_light;
     ChainPlaces met;
     for (const ParallelChain& chain : caustics_.parallel.chains) {
-      if (chain.ends_in()) continue;
-      ParallelChainLight<D> light(world_, caustics_.parallel, chain, in_fog.set);
+      if (chain.ends_in() || !is_followed(in_fog, chain.source)) continue;
+      ParallelChainLight<D> light(world_, caustics_, chain, in_fog.set);
       if (!light.segments(in_fog.rays, lit)) continue;
       for (int piece = 0; piece < pieces(in_fog.fan); ++piece) {
         const LitFog fog = fog_at(in_fog, at_depth(true, lit, share_of(in_fog.fan, piece)));
@@ -210,14 +222,15 @@ class FogLight {
     LightGeometry to_light;
     ChainPlaces met;
     for (const PointChainGroup& group : caustics_.point.groups) {
-      if (group.ends_in || !find_segment(in_fog, group, nullptr, lit)) continue;
+      if (group.ends_in || !is_followed(in_fog, group.source)) continue;
+      if (!find_segment(in_fog, group, nullptr, lit)) continue;
       for (std::uint32_t c = group.first_chain; c < group.first_chain + group.chain_count; ++c) {
         const PointChain& chain = caustics_.point.chains[c];
         if (!find_segment(in_fog, group, &chain, lit)) continue;
         for (int piece = 0; piece < pieces(in_fog.fan); ++piece) {
           const LitFog fog = fog_at(in_fog, at_depth(spread, lit, share_of(in_fog.fan, piece)));
           if (!spread && misses_.hold(c, fog.places.get(0), 0.0f)) continue;
-          PointChainLight<D> light(world_, caustics_.point, chain, in_fog.set);
+          PointChainLight<D> light(world_, caustics_, chain, in_fog.set);
           if (!light.run(fog.places, 0.0f, in_fog.lanes, !spread, to_light, met)) {
             misses_.add(c, light.middle(), light.miss());
             continue;
@@ -257,7 +270,7 @@ class FogLight {
     const auto place_of = [&](int lane) { return LitPlace{fog.places.get(lane)}; };
     const auto ray_of = [&](int lane) { return LastRay(chain, met, place_of(lane), lane); };
     if (!add_job(in_fog, fog, to_light, job, ray_of)) return;
-    AddGates(shadows_, world_, chain, met, job, place_of);
+    AddGates(shadows_, world_, caustics_.source_of(chain), chain, met, job, place_of);
   }
 
   // Whether light that arrives at fog comes to anything in any lane; then it waits in the queue.

@@ -115,11 +115,11 @@ inline Ray GateRay(const ChainPath& chain, const ChainPlaces& met, const WorldLi
 }
 
 /// The parts of a chain's path up to its last facet on which something may stand, as gates of the
-/// job that carries its light. place_of(lane) is the LitPlace.
+/// job that carries its light from `light`, its source. place_of(lane) is the LitPlace.
 template <class D, class PlaceOf>
-void AddGates(ShadowQueue<D>& shadows, const World& world, const ChainPath& chain,
-              const ChainPlaces& met, const ShadowJob& main, PlaceOf&& place_of) {
-  const WorldLight& light = world.lights[chain.light];
+void AddGates(ShadowQueue<D>& shadows, const World& world, const WorldLight& light,
+              const ChainPath& chain, const ChainPlaces& met, const ShadowJob& main,
+              PlaceOf&& place_of) {
   ShadowJob gate;
   gate.sample = main.sample;
   gate.lanes = main.lanes;

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <span>
 
+#include "abbe/caustics/flat/light/drawn_place.h"
 #include "abbe/caustics/flat/light/known_misses.h"
 #include "abbe/caustics/flat/light/parallel-inl.h"
 #include "abbe/caustics/flat/light/point-inl.h"
@@ -284,8 +285,9 @@ class DirectLight {
     return true;
   }
 
-  void send_parallel_chains(const LitSurface& surface) {
-    if (caustics_.parallel.chains.empty()) return;
+  void send_parallel_chains(const LitSurface& surface, const ChainsNear& chains_near,
+                            bool follows_all) {
+    if (chains_near.parallel_count == 0) return;
     const Fan& fan = surface.where.fan;
     const SurfaceHit& hit = surface.where.hit;
     const int set = samples_[fan.sample].set;
@@ -301,17 +303,16 @@ class DirectLight {
     ChainPlaces met;
     const float reach_m = radius_m + pixel.reach_m;
     const std::vector<ParallelChain>& chains = caustics_.parallel.chains;
-    const bool follows_all = follows_all_of(chains.size());
     const auto may = [&](std::uint32_t number, const Vec3f& place, float ball_m) {
       return may_light(chains[number], place, ball_m);
     };
-    for (const std::uint32_t number : caustics_.near_parallel.near(center, reach_m, may)) {
+    for (const std::uint32_t number : chains_near.parallel.near(center, reach_m, may)) {
       const ParallelChain& chain = chains[number];
       if (!may_light(chain, center, reach_m)) continue;
       if (!comes_in(chain.ends_in(), fan.media)) continue;
       const float times = follows_all ? 1.0f : times_followed(fan, number, chain.weight);
       if (times == 0.0f) continue;
-      ParallelChainLight<D> light(world_, caustics_.parallel, chain, set);
+      ParallelChainLight<D> light(world_, caustics_, chain, set);
       if (!light.run(hit.position, rounding_m, pixel, to_light, met)) continue;
       scale(times, to_light);
       LaneArray3 shift_m;
@@ -325,14 +326,30 @@ class DirectLight {
   void send_bent(const LitSurface& surface) {
     if (caustics_.parallel.chains.empty() && caustics_.point.chains.empty()) return;
     const auto start = std::chrono::steady_clock::now();
-    send_parallel_chains(surface);
-    send_point_chains(surface);
+    const ChainsNear* of_place = nullptr;
+    if (!caustics_.near_places.empty()) {
+      const Fan& fan = surface.where.fan;
+      of_place =
+          &caustics_.near_places[drawn_place(caustics_, samples_[fan.sample].chance, fan.path)];
+    }
+    const ChainsNear& of_lamps = caustics_.near;
+    const auto in_all = [&](std::size_t ChainsNear::*count) {
+      return of_lamps.*count + (of_place != nullptr ? of_place->*count : 0);
+    };
+    const bool follows_parallel = follows_all_of(in_all(&ChainsNear::parallel_count));
+    const bool follows_point = follows_all_of(in_all(&ChainsNear::point_count));
+    for (const ChainsNear* near : {&of_lamps, of_place}) {
+      if (near == nullptr) continue;
+      send_parallel_chains(surface, *near, follows_parallel);
+      send_point_chains(surface, *near, follows_point);
+    }
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     stats_.bent_light_seconds += elapsed.count();
   }
 
-  void send_point_chains(const LitSurface& surface) {
-    if (caustics_.point.chains.empty()) return;
+  void send_point_chains(const LitSurface& surface, const ChainsNear& chains_near,
+                         bool follows_all) {
+    if (chains_near.point_count == 0) return;
     const Fan& fan = surface.where.fan;
     const SurfaceHit& hit = surface.where.hit;
     const int set = samples_[fan.sample].set;
@@ -342,7 +359,6 @@ class DirectLight {
     LightGeometry to_light;
     ChainPlaces met;
     const PointChains& all = caustics_.point;
-    const bool follows_all = follows_all_of(all.chains.size());
     const PointChainGroup* group = nullptr;
     PlaceInGroup place;
     LanesInGroup<D> places;  // Of a spread fan.
@@ -351,7 +367,7 @@ class DirectLight {
       return may_light(all, all.chains[number], ball, ball_m);
     };
     // Chains of a group follow each other.
-    for (const std::uint32_t number : caustics_.near_point.near(center, radius_m, may)) {
+    for (const std::uint32_t number : chains_near.point.near(center, radius_m, may)) {
       const PointChain& chain = all.chains[number];
       if (group != &all.groups[chain.group]) {
         group = &all.groups[chain.group];
@@ -371,7 +387,7 @@ class DirectLight {
       }
       const float times = follows_all ? 1.0f : times_followed(fan, number, share_at(chain, center));
       if (times == 0.0f || misses_.hold(number, center, radius_m)) continue;
-      PointChainLight<D> light(world_, all, chain, set);
+      PointChainLight<D> light(world_, caustics_, chain, set);
       if (!light.run(hit.position, rounding_m, near, !fan.spread, to_light, met)) {
         misses_.add(number, light.middle(), light.miss());
         continue;
@@ -385,7 +401,7 @@ class DirectLight {
   float share_at(const PointChain& chain, const Vec3f& place) const {
     const Vec3d unfolded = chain.fold * Vec3d(place - chain.origin) + chain.fold_shift;
     const Vec3d on_path = chain.lamp - unfolded;
-    const Vec3f straight = world_.lights[chain.light].position - place;
+    const Vec3f straight = caustics_.source_of(chain).position - place;
     return chain.kept * glm::dot(straight, straight) /
            static_cast<float>(glm::dot(on_path, on_path));
   }
@@ -468,7 +484,7 @@ class DirectLight {
       return LitPlace{origin_of(hit, to_light, lane) + shift, hit.offset_m[lane]};
     };
     shadows_.add(job, [&](int lane) { return LastRay(chain, met, place_of(lane), lane); });
-    AddGates(shadows_, world_, chain, met, job, place_of);
+    AddGates(shadows_, world_, caustics_.source_of(chain), chain, met, job, place_of);
   }
 
   // Just off the surface, on the side that light comes from.

@@ -27,7 +27,8 @@ class Paths {
         number_(light),
         place_(place),
         set_(set),
-        medium_(medium) {}
+        medium_(medium),
+        shown_(place_by_middle()) {}
 
   std::vector<LightChain> all() {
     add_straight();
@@ -36,11 +37,11 @@ class Paths {
     const LightChains chains = found != nullptr ? *found : LightChains{};
     for (const std::uint32_t i : chains.parallel) {
       const ParallelChain& chain = world_.caustics.parallel.chains[i];
-      if (ends_here(chain)) add(chain, [&](int lane) { return parallel_path(chain, lane); });
+      if (is_shown(chain)) add(chain, [&](int lane) { return parallel_path(chain, lane); });
     }
     for (const std::uint32_t i : chains.point) {
       const PointChain& chain = world_.caustics.point.chains[i];
-      if (ends_here(chain)) add(chain, [&](int lane) { return point_path(chain, lane); });
+      if (is_shown(chain)) add(chain, [&](int lane) { return point_path(chain, lane); });
     }
     const auto brightest = [](const LightChain& chain) {
       double most = 0.0;
@@ -64,7 +65,28 @@ class Paths {
     return kOffFacet * (std::abs(place_.x) + std::abs(place_.y) + std::abs(place_.z) + 1.0);
   }
 
-  bool ends_here(const ChainPath& chain) const { return medium_ == chain.ends_in(); }
+  const WorldLight& source_of(const ChainPath& chain) const {
+    return world_.caustics.source_of(chain);
+  }
+
+  // Of the places of a lamp with an extent one is as good as another: that next to its middle.
+  std::uint32_t place_by_middle() const {
+    std::uint32_t nearest = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (const ChainSource& source : world_.caustics.sources) {
+      if (source.lamp != number_) continue;
+      const Vec3d off = light_.is_parallel ? Vec3d(source.light.direction) - Vec3d(light_.direction)
+                                           : Vec3d(source.light.position) - Vec3d(light_.position);
+      if (!(glm::dot(off, off) < least)) continue;
+      least = glm::dot(off, off);
+      nearest = source.place;
+    }
+    return nearest;
+  }
+
+  bool is_shown(const ChainPath& chain) const {
+    return medium_ == chain.ends_in() && world_.caustics.sources[chain.source].place == shown_;
+  }
 
   template <typename Make>
   void add(const ChainPath& chain, const Make& make) {
@@ -139,8 +161,8 @@ class Paths {
       crossing.event = step.event;
       crossing.position = place + Vec3d(chain.origin);
       crossing.direction_after = after;
-      crossing.direction_before =
-          s > 0 ? glm::normalize(vector_at(rows.direction(s - 1))) : Vec3d(light_.direction);
+      crossing.direction_before = s > 0 ? glm::normalize(vector_at(rows.direction(s - 1)))
+                                        : Vec3d(source_of(chain).direction);
       describe(step, lane, crossing);
     }
     const Vec3d first = path.crossings.front().position;
@@ -189,7 +211,7 @@ class Paths {
     if (!solve_crossings(chain, indices, off_last_face(chain, place), crossings))
       return std::nullopt;
     LightPath path;
-    path.start = Vec3d(light_.position);
+    path.start = Vec3d(source_of(chain).position);
     // The path in the unfolded space, segment by segment.
     std::array<Vec3d, kMaxRefractions + 2> corner{};
     corner[0] = chain.lamp;
@@ -244,8 +266,9 @@ class Paths {
     const double jacobian = crossing_jacobian(chain, indices, place, crossings);
     double length_m = 0.0;
     for (std::size_t j = 0; j <= count; ++j) length_m += glm::distance(corner[j + 1], corner[j]);
-    const double cosine = glm::dot(glm::normalize(corner[1] - corner[0]), Vec3d(light_.direction));
-    path.irradiance = jacobian * lamp_window(light_, length_m, cosine);
+    const WorldLight& lamp = source_of(chain);
+    const double cosine = glm::dot(glm::normalize(corner[1] - corner[0]), Vec3d(lamp.direction));
+    path.irradiance = jacobian * lamp_window(lamp, length_m, cosine);
     if (!(path.irradiance > 0.0)) return std::nullopt;
     return path;
   }
@@ -261,7 +284,8 @@ class Paths {
     }
     add_segment(from, place_, chain.ends_in(), path);
     if (!light_.has_distance()) {
-      path.is_blocked |= is_blocked(path.start, -Vec3d(light_.direction), kInfinity, kCullFront);
+      path.is_blocked |=
+          is_blocked(path.start, -Vec3d(source_of(chain).direction), kInfinity, kCullFront);
     }
     path.irradiance = path.is_blocked ? 0.0 : path.irradiance * path.transmittance;
   }
@@ -322,6 +346,7 @@ class Paths {
   const Vec3d place_;
   const int set_;
   const std::optional<std::uint32_t> medium_;
+  const std::uint32_t shown_;  ///< Of the places of the lamp.
   std::vector<LightChain> chains_;
 };
 

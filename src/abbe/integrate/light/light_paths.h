@@ -44,7 +44,8 @@ struct LightChain {
 };
 
 /// All chains on which light of a lamp comes to a place, straight light first, then by what they
-/// bring; also those on which something opaque stands.
+/// bring; also those on which something opaque stands. Of a lamp with an extent those of one place
+/// of it, as if it were the only one.
 /// Shape:  paths of the lanes of wavelength set `set`.
 /// Domain: light < world.lights.size(). A place inside glass has `medium`, the material it is in.
 ///         Straight light here is that which meets no surface at all.

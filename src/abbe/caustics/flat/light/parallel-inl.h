@@ -30,12 +30,12 @@ namespace HWY_NAMESPACE {
 template <class D>
 class ParallelChainLight {
  public:
-  ParallelChainLight(const TabulatedScene& tables, const ParallelChains& chains,
+  ParallelChainLight(const TabulatedScene& tables, const FlatCaustics& caustics,
                      const ParallelChain& chain, int set)
       : tables_(tables),
         chain_(chain),
-        light_(tables.lights[chain.light]),
-        rows_(chains.of(chain, set)),
+        light_(caustics.source_of(chain)),
+        rows_(caustics.parallel.of(chain, set)),
         set_(set) {}
 
   /// Fills directions to the light, distances to the last facet, and the irradiance across them, 0

@@ -23,6 +23,7 @@
 #include <cstddef>
 #include <span>
 
+#include "abbe/caustics/flat/flat_caustics.h"
 #include "abbe/caustics/flat/light/chain_places.h"
 #include "abbe/caustics/flat/light/facet_reflectance-inl.h"
 #include "abbe/caustics/flat/light/on_plane-inl.h"
@@ -41,12 +42,12 @@ namespace HWY_NAMESPACE {
 template <class D>
 class PointChainLight {
  public:
-  PointChainLight(const TabulatedScene& tables, const PointChains& chains, const PointChain& chain,
-                  int set)
+  PointChainLight(const TabulatedScene& tables, const FlatCaustics& caustics,
+                  const PointChain& chain, int set)
       : tables_(tables),
-        chains_(chains),
+        chains_(caustics.point),
         chain_(chain),
-        light_(tables.lights[chain.light]),
+        light_(caustics.source_of(chain)),
         set_(set),
         count_(chain.crossings.size()) {}
 

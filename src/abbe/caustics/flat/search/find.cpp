@@ -7,12 +7,21 @@
 
 #include "abbe/caustics/flat/search/parallel_chains.h"
 #include "abbe/caustics/flat/search/point_chains.h"
+#include "abbe/world/light/lamp_places.h"
 
 namespace abbe {
 namespace {
 
+// Places that stand for a lamp with an extent: each has chains of its own, and what they cost to
+// find and keep grows with the facets.
+std::size_t places_of_lamps(std::size_t facets) {
+  if (facets < 64) return 16;
+  return facets <= 1024 ? 4 : 1;
+}
+
 /// The chains of all lights.
 struct FoundChains {
+  std::vector<ChainSource> sources;
   ParallelChains parallel;
   PointChains point;
   double share_cut = 0.0;
@@ -28,22 +37,32 @@ FoundChains find_chains(const Scene& scene, const ChainSearch& search) {
   found.by_body.resize(search.flat.bodies.size());
   double started = 0.0;
   double cut = 0.0;
-  auto lights_left = static_cast<std::size_t>(
-      std::count_if(scene.lights.begin(), scene.lights.end(), is_parallel));
+  const std::size_t count = places_of_lamps(search.flat.facets.size());
+  std::size_t parallel_left = 0;
+  for (const Light& light : scene.lights) {
+    if (is_parallel(light)) parallel_left += light.shape ? count : 1;
+  }
   for (std::uint32_t number = 0; number < scene.lights.size(); ++number) {
-    const Light& light = scene.lights[number];
-    const ChainYield yield =
-        is_parallel(light)
-            ? add_parallel_chains(search, light, number, lights_left--, found.parallel)
-            : add_point_chains(search, light, number, found.point);
-    // Lux on square metres and candela in steradians are both lumens.
-    started += yield.started * light.intensity;
-    cut += yield.cut * light.intensity;
-    for (std::size_t b = 0; b < yield.by_body.size(); ++b) {
-      found.by_body[b].started += yield.by_body[b].started * light.intensity;
-      found.by_body[b].faint += yield.by_body[b].faint * light.intensity;
-      found.by_body[b].too_long += yield.by_body[b].too_long * light.intensity;
-      found.by_body[b].no_room += yield.by_body[b].no_room * light.intensity;
+    const std::vector<LampPlace> places = lamp_places(scene.lights[number], count);
+    for (std::uint32_t p = 0; p < places.size(); ++p) {
+      const LampPlace& place = places[p];
+      const auto source = static_cast<std::uint32_t>(found.sources.size());
+      found.sources.push_back(
+          {at_place(search.tables.lights[number], place), number, p, places.size() > 1});
+      const ChainYield yield =
+          is_parallel(place.light)
+              ? add_parallel_chains(search, place, source, parallel_left--, found.parallel)
+              : add_point_chains(search, place.light, source, found.point);
+      // Lux on square metres and candela in steradians are both lumens.
+      const double lumens = place.light.intensity / static_cast<double>(places.size());
+      started += yield.started * lumens;
+      cut += yield.cut * lumens;
+      for (std::size_t b = 0; b < yield.by_body.size(); ++b) {
+        found.by_body[b].started += yield.by_body[b].started * lumens;
+        found.by_body[b].faint += yield.by_body[b].faint * lumens;
+        found.by_body[b].too_long += yield.by_body[b].too_long * lumens;
+        found.by_body[b].no_room += yield.by_body[b].no_room * lumens;
+      }
     }
   }
   if (!(started > 0.0)) return found;
@@ -88,16 +107,44 @@ std::vector<Vec2d> index_ranges(const TabulatedScene& tables) {
   return ranges;
 }
 
-std::vector<std::optional<LightChains>> by_light(const ParallelChains& parallel,
-                                                 const PointChains& point, std::size_t lights) {
+std::vector<std::optional<LightChains>> by_light(const FlatCaustics& all, std::size_t lights) {
   std::vector<std::optional<LightChains>> result(lights, LightChains{});
-  for (std::uint32_t i = 0; i < parallel.chains.size(); ++i) {
-    result[parallel.chains[i].light]->parallel.push_back(i);
+  for (std::uint32_t i = 0; i < all.parallel.chains.size(); ++i) {
+    result[all.lamp_of(all.parallel.chains[i])]->parallel.push_back(i);
   }
-  for (std::uint32_t i = 0; i < point.chains.size(); ++i) {
-    result[point.chains[i].light]->point.push_back(i);
+  for (std::uint32_t i = 0; i < all.point.chains.size(); ++i) {
+    result[all.lamp_of(all.point.chains[i])]->point.push_back(i);
   }
   return result;
+}
+
+// Fills near and near_places.
+void index_chains(const Box3f& bounds, FlatCaustics& all) {
+  std::size_t places = 0;
+  for (const ChainSource& source : all.sources) {
+    if (source.is_part) places = std::max<std::size_t>(places, source.place + 1);
+  }
+  // Of whole lamps, then of each place.
+  std::vector<LightChains> numbers(places + 1);
+  const auto of = [&](const ChainPath& chain) -> LightChains& {
+    const ChainSource& source = all.sources[chain.source];
+    return numbers[source.is_part ? source.place + 1 : 0];
+  };
+  for (std::uint32_t i = 0; i < all.parallel.chains.size(); ++i) {
+    of(all.parallel.chains[i]).parallel.push_back(i);
+  }
+  for (std::uint32_t i = 0; i < all.point.chains.size(); ++i) {
+    of(all.point.chains[i]).point.push_back(i);
+  }
+  all.near_places.resize(places);
+  for (std::size_t i = 0; i <= places; ++i) {
+    ChainsNear& near = i == 0 ? all.near : all.near_places[i - 1];
+    near.parallel_count = numbers[i].parallel.size();
+    near.point_count = numbers[i].point.size();
+    // Parallel light is asked about for whole pixels.
+    near.parallel = ChainIndex(bounds, std::move(numbers[i].parallel), 1.0f, places + 1);
+    near.point = ChainIndex(bounds, std::move(numbers[i].point), 0.125f, places + 1);
+  }
 }
 
 }  // namespace
@@ -131,6 +178,7 @@ FlatCaustics find_flat_caustics(const Scene& scene, const TabulatedScene& tables
   result.exceeds_chains = crossings > kMaxRefractions;
   result.parallel = std::move(found.parallel);
   result.point = std::move(found.point);
+  result.sources = std::move(found.sources);
   std::stable_sort(
       result.parallel.chains.begin(), result.parallel.chains.end(),
       [](const ParallelChain& a, const ParallelChain& b) { return a.weight > b.weight; });
@@ -142,12 +190,8 @@ FlatCaustics find_flat_caustics(const Scene& scene, const TabulatedScene& tables
   const Box3d all = bounds_of(scene);
   Box3f bounds;
   if (!all.is_empty()) bounds = {Vec3f(all.low), Vec3f(all.high)};
-  // Parallel light is asked about for whole pixels.
-  result.near_parallel =
-      ChainIndex(bounds, static_cast<std::uint32_t>(result.parallel.chains.size()), 1.0f);
-  result.near_point =
-      ChainIndex(bounds, static_cast<std::uint32_t>(result.point.chains.size()), 0.125f);
-  result.of_lights = by_light(result.parallel, result.point, scene.lights.size());
+  index_chains(bounds, result);
+  result.of_lights = by_light(result, scene.lights.size());
   return result;
 }
 

@@ -18,16 +18,17 @@ constexpr double kShort = 1e-8;
 
 class Builder {
  public:
-  Builder(const ChainSearch& search, const PathTree& tree, const Light& light, std::uint32_t number,
-          std::size_t lights_left, ParallelChains& chains)
+  Builder(const ChainSearch& search, const PathTree& tree, const LampPlace& place,
+          std::uint32_t source, std::size_t sources_left, ParallelChains& chains)
       : search_(search),
         tables_(search.tables),
         facets_(search.flat.facets),
         tree_(tree),
-        light_(light),
-        number_(number),
-        lights_left_(lights_left),
-        direction_(direction_of(light)),
+        light_(place.light),
+        times_(place.times),
+        source_(source),
+        sources_left_(sources_left),
+        direction_(direction_of(place.light)),
         chains_(chains),
         waves_(search.waves()),
         no_room_(search.flat.bodies.size(), 0.0) {}
@@ -43,7 +44,7 @@ class Builder {
     lamp.bundles.resize(is_one ? 1 : waves_);
     choose(is_one);
     for (Bundle& bundle : lamp.bundles) bundle.direction = direction_;
-    lamp.weights.resize(waves_, 1.0);
+    lamp.weights.resize(waves_, times_);
     const std::vector<HalfSpace> beam = beam_bounds(light_);
     for (const std::uint32_t child : tree_.nodes[0].children) {
       if (!is_wanted_[child]) continue;
@@ -59,7 +60,7 @@ class Builder {
   }
 
  private:
-  // Leaves out the paths with least light where there is no room for all. What lights before this
+  // Leaves out the paths with least light where there is no room for all. What sources before this
   // one have left is for it and those after it alike.
   void choose(bool is_one) {
     has_room_.assign(tree_.nodes.size(), false);
@@ -81,7 +82,7 @@ class Builder {
     std::size_t floats = chains_.rows.size();
     const std::size_t left =
         search_.options.table_floats - std::min(floats, search_.options.table_floats);
-    const std::size_t most = floats + left / lights_left_;
+    const std::size_t most = floats + left / sources_left_;
     for (const std::uint32_t number : lit) {
       const std::size_t arrays = 3 * depths[number] + 4 * kUsualSides;
       floats +=
@@ -191,7 +192,7 @@ class Builder {
     for (const Bundle& bundle : front.bundles) sides = std::max(sides, bundle.polygon.size());
     if (!(largest > 0.0)) return;
     ParallelChain chain;
-    chain.light = number_;
+    chain.source = source_;
     chain.steps = steps_;
     const Facet& last = facets_[steps_.back().facet];
     const Vec3d origin = rounded_to_single(last.center);
@@ -299,8 +300,9 @@ class Builder {
   const std::vector<Facet>& facets_;
   const PathTree& tree_;
   const Light& light_;
-  const std::uint32_t number_;
-  const std::size_t lights_left_;
+  const double times_;
+  const std::uint32_t source_;
+  const std::size_t sources_left_;
   const Vec3d direction_;
   ParallelChains& chains_;
   const std::size_t waves_;
@@ -313,13 +315,14 @@ class Builder {
 
 }  // namespace
 
-ChainYield add_parallel_chains(const ChainSearch& search, const Light& light, std::uint32_t number,
-                               std::size_t lights_left, ParallelChains& chains) {
-  const PathTree tree = find_paths(search, light);
+ChainYield add_parallel_chains(const ChainSearch& search, const LampPlace& place,
+                               std::uint32_t source, std::size_t sources_left,
+                               ParallelChains& chains) {
+  const PathTree tree = find_paths(search, place.light);
   ChainYield yield{tree.started, tree.cut, tree.by_body};
   if (tree.nodes.empty()) return yield;
   const std::vector<double> no_room =
-      Builder(search, tree, light, number, lights_left, chains).run();
+      Builder(search, tree, place, source, sources_left, chains).run();
   for (std::size_t b = 0; b < yield.by_body.size(); ++b) {
     yield.by_body[b].no_room = no_room[b];
     yield.cut += no_room[b];

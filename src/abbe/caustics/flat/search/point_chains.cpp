@@ -104,11 +104,11 @@ struct Gathered {
 /// Makes chains of one light from what was gathered.
 class Maker {
  public:
-  Maker(const ChainSearch& search, const Light& light, std::uint32_t number, PointChains& chains)
+  Maker(const ChainSearch& search, const Light& light, std::uint32_t source, PointChains& chains)
       : flat_(search.flat),
         obstacles_(search.obstacles),
         chains_(chains),
-        light_(number),
+        source_(source),
         lamp_(light.to_world[3]) {}
 
   // The normal of the last face, to the side that is lit.
@@ -143,7 +143,7 @@ class Maker {
 
   PointChain make(const std::vector<FaceEvent>& path, const Gathered& gathered) const {
     PointChain chain;
-    chain.light = light_;
+    chain.source = source_;
     chain.lanes = gathered.lanes;
     chain.weight = static_cast<float>(gathered.flux);
     chain.kept = static_cast<float>(gathered.flux / gathered.sent);
@@ -262,13 +262,13 @@ class Maker {
   const FlatBodies& flat_;
   Obstacles& obstacles_;
   PointChains& chains_;
-  std::uint32_t light_;
+  std::uint32_t source_;
   Vec3d lamp_;
 };
 
 PointChainGroup group_of(const PointChain& chain, const FaceFrame& frame, const Vec3d& normal) {
   PointChainGroup group;
-  group.light = chain.light;
+  group.source = chain.source;
   group.ends_in = chain.ends_in();
   group.origin = Vec3f(frame.origin);
   group.normal = Vec3f(normal);
@@ -279,12 +279,12 @@ PointChainGroup group_of(const PointChain& chain, const FaceFrame& frame, const 
 
 }  // namespace
 
-ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::uint32_t number,
+ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::uint32_t source,
                             PointChains& chains) {
   if (search.flat.faces.empty()) return {};
   const PathTree tree = find_paths(search, light);
   if (chains.frames.empty()) chains.frames = frames_of(search.flat);
-  const Maker maker(search, light, number, chains);
+  const Maker maker(search, light, source, chains);
   // Paths that end at one face and side follow each other.
   const auto end_of = [](const std::vector<FaceEvent>& path) {
     return std::tuple(path.back().face, path.back().event);

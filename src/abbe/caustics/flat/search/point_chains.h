@@ -7,9 +7,9 @@
 
 namespace abbe {
 
-/// Adds the chains of a point or spot light, the one of that number, with their groups.
+/// Adds the chains of a point or spot light, the source of that number, with their groups.
 /// Units:  the result is in steradians.
-ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::uint32_t number,
+ChainYield add_point_chains(const ChainSearch& search, const Light& light, std::uint32_t source,
                             PointChains& chains);
 
 /// Orders groups and the chains in them, largest first.

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "abbe/integrate/branching-inl.h"
@@ -208,10 +207,13 @@ class Tracer {
     MaterialLanes at =
         MaterialAt(d, world_, hit, footprint_m, sample.set, !material.unlit || wants_albedo);
     const bool hidden = change.crossing == Crossing::Hidden;
-    std::optional<LayerLanes> layers;
-    if (material.layers && !hidden) {
-      FillLayers(d, world_, hit, footprint_m, sample.set, at, layers.emplace());
-      at.layers = &*layers;
+    // No std::optional: g++ clears one of 14 kB even where it stays empty.
+    LayerLanes room_for_layers;
+    LayerLanes* const layers = material.layers && !hidden ? &room_for_layers : nullptr;
+    if (layers != nullptr) {
+      *layers = {};
+      FillLayers(d, world_, hit, footprint_m, sample.set, at, *layers);
+      at.layers = layers;
     }
     absorb(fan, change, hit.distance_m, throughput);
     const FanAtSurface where{list, fan, hit, path_length_m, recorder_.arrive(fan, hit, throughput)};
@@ -221,7 +223,7 @@ class Tracer {
 
     SurfaceAnswer answer = AnswerOf(d, stride_, change, rows, hit, at, nullptr);
     const bool rough = at.roughness[leader] >= kSmoothRoughness || is_brushed(layers, leader);
-    if (layers) {
+    if (layers != nullptr) {
       FillViewOfLayers(d, stride_, change, rows, hit, answer, *layers);
       LayOver(d, stride_, rows, hit, rough, *layers, answer);
       layers->coat_chance = CoatChance(hit, answer, *layers, rough);
@@ -234,36 +236,39 @@ class Tracer {
       multiply(at.emission, shared_emission);
       emission = &shared_emission;
     }
-    add_local_light(fan, material, *emission, answer, layers ? layers->ambient : answer.diffuse,
-                    throughput, hidden);
+    add_local_light(fan, material, *emission, answer,
+                    layers != nullptr ? layers->ambient : answer.diffuse, throughput, hidden);
     if (wants_albedo) keep_albedo(fan, at.base_color);
     if (material.unlit) return;
     recorder_.shade(where.record_number, change, rows, hit, at, answer);
     if (hidden) return branching_.branch(where, throughput, answer, next);
 
-    std::optional<ReboundLanes> rebound;
+    ReboundLanes room_for_rebound;
+    ReboundLanes* rebound = nullptr;
     if (rough && settings_.multiple_scattering && at.metallic[leader] > 0.0f) {
-      rebound = ReboundAt(d, stride_, rows, at, answer, hit.lanes);
+      room_for_rebound = ReboundAt(d, stride_, rows, at, answer, hit.lanes);
+      rebound = &room_for_rebound;
     }
-    const bool coated = layers && layers->has_coat;
+    const bool coated = layers != nullptr && layers->has_coat;
     // Elsewhere the ray of a rough opaque dielectric is a faint blur that its lobe stands for.
     const bool coherent = !rough || at.metallic[leader] > 0.0f || at.transmission[leader] > 0.0f ||
                           coated || world_.shines_all_around;
-    const bool has_rough_coat = layers && layers->coat_is_rough;
+    const bool has_rough_coat = layers != nullptr && layers->coat_is_rough;
     const bool goes_on = fan.depth < settings_.max_depth;
     const bool may_refract = rough && coherent && goes_on && shares_light(world_) &&
                              answer.lobe_count > 1 && scatters(at.transmission);
-    const ShadedSurface shaded{hit,
-                               at,
-                               rows,
-                               answer,
-                               rough,
-                               has_rough_coat,
-                               (has_rough_coat || (rough && coherent)) && goes_on,
-                               rebound ? &*rebound : nullptr,
-                               may_refract ? &change.behind : nullptr,
-                               change.crossing == Crossing::Thin,
-                               scatters(answer.diffuse) || (layers && scatters(layers->ambient))};
+    const ShadedSurface shaded{
+        hit,
+        at,
+        rows,
+        answer,
+        rough,
+        has_rough_coat,
+        (has_rough_coat || (rough && coherent)) && goes_on,
+        rebound,
+        may_refract ? &change.behind : nullptr,
+        change.crossing == Crossing::Thin,
+        scatters(answer.diffuse) || (layers != nullptr && scatters(layers->ambient))};
     if (rough || shaded.has_broad_lobe || has_rough_coat) {
       lamps_.send({where, shaded, throughput});
     }
@@ -351,8 +356,8 @@ class Tracer {
   }
 
   // Whether a smooth surface is rough along one direction.
-  static bool is_brushed(const std::optional<LayerLanes>& layers, int lane) {
-    return layers && layers->is_anisotropic &&
+  static bool is_brushed(const LayerLanes* layers, int lane) {
+    return layers != nullptr && layers->is_anisotropic &&
            layers->alpha_t[lane] > 1.01f * kSmoothRoughness * kSmoothRoughness;
   }
 

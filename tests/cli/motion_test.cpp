@@ -112,7 +112,7 @@ TEST_F(MotionTest, frames_are_lit_by_what_was_chosen_for_the_first) {
         "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAIA/AAAAAAAAAAA="}});
   write("turn.gltf", scene.dump());
   const auto render = [&](const Arguments& more) {
-    Arguments all{"render", "turn.gltf", "--size", "4x1", "--spp", "64"};
+    Arguments all{"render", "turn.gltf", "--size", "32x18", "--spp", "16"};
     all.insert(all.end(), more.begin(), more.end());
     return abbe(all);
   };

@@ -142,6 +142,29 @@ TEST(rigs, white_that_faces_the_key_light_has_1_cd_per_m2) {
   EXPECT_GT(key.z, 0.3);
 }
 
+// glTF's default material, a white metal of roughness 1, on what faces the camera.
+TEST(rigs, default_material_stands_out_before_what_is_behind_it) {
+  const auto studio = studio_environment(0.0);
+  const EnvironmentImage& image = studio->image;
+  double reflected = 0.0, brightest = 0.0;
+  for (int row = 0; row < image.height; ++row) {
+    for (int column = 0; column < image.width; ++column) {
+      const double theta = kPi * (row + 0.5) / image.height;
+      const double phi = 2.0 * kPi * ((column + 0.5) / image.width - 0.5);
+      const double y = std::cos(theta), z = std::sin(phi) * std::sin(theta);
+      const auto texel = static_cast<std::size_t>(row * image.width + column);
+      const auto luminance = static_cast<double>(image.rgb_rec709[texel].y);
+      // As the default camera looks: down on it, in a view of 40° and 16:9.
+      if (z < -0.75 && y < 0.05) brightest = std::max(brightest, luminance);
+      if (!(z > 0.0)) continue;
+      // GGX of α = 1 seen along its normal: D = 1/π, and Smith's G is 2c/(1 + c).
+      const double solid_angle = 2.0 * kPi * kPi / (image.width * image.height) * std::sin(theta);
+      reflected += luminance * 2.0 * z / (1.0 + z) / (4.0 * kPi) * solid_angle;
+    }
+  }
+  EXPECT_GT(reflected / brightest, 1.25);  // A third of an EV: told from it at a glance.
+}
+
 TEST(rigs, key_light_stands_at_the_right_of_the_camera_that_is_used) {
   for (const double angle : {0.0, 1.0, 2.5, -2.0}) {
     Scene scene = ball_scene(0.0);

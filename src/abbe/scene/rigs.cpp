@@ -30,6 +30,9 @@ constexpr SoftBox kKey{40.0, 45.0, 0.28, 0.28, 0.06, 0.76};
 constexpr SoftBox kFill{-60.0, 20.0, 0.45, 0.6, 0.25, 0.12};
 constexpr SoftBox kRim{200.0, 30.0, 0.5, 0.2, 0.08, 0.2};
 constexpr double kGreyBelow = 0.18, kGreyAbove = 0.24;  // cd/m²
+// What is left of it ahead of the camera: a rough white metal is as bright as the grey that it sees
+// behind the camera, and would not be told from the same grey behind it.
+constexpr double kLeftAhead = 0.6;
 
 double smooth_step(double x) {
   const double t = std::clamp(x, 0.0, 1.0);
@@ -264,7 +267,9 @@ std::shared_ptr<const Environment> studio_environment(double rotation_deg) {
     }
   };
   for_each([&](const Vec3d& direction, std::size_t texel, double) {
-    luminance[texel] = kGreyBelow + (kGreyAbove - kGreyBelow) * 0.5 * (1.0 + direction.y);
+    const double ahead = smooth_step((-direction.z - 0.2) / 0.6);
+    luminance[texel] = (1.0 - (1.0 - kLeftAhead) * ahead) *
+                       (kGreyBelow + (kGreyAbove - kGreyBelow) * 0.5 * (1.0 + direction.y));
   });
   for (const SoftBox& box : {kKey, kFill, kRim}) {
     const double a = box.azimuth_deg * kPi / 180.0, e = box.elevation_deg * kPi / 180.0;

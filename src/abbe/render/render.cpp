@@ -1,22 +1,18 @@
 #include "abbe/render/render.h"
-#include "abbe/base/paged.h"
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <mutex>
 
+#include "abbe/base/paged.h"
 #include "abbe/film/filter.h"
-#include "abbe/image/exr/exr.h"
-#include "abbe/math/random.h"
 #include "abbe/render/agreement.h"
 #include "abbe/render/band_weights.h"
-#include "abbe/render/camera_rays.h"
-#include "abbe/render/sample_places.h"
+#include "abbe/render/extra_channels.h"
+#include "abbe/render/sample_source.h"
 
 namespace abbe {
 namespace {
@@ -24,102 +20,6 @@ namespace {
 constexpr int kTileSize = 32;
 /// Camera samples that are traced together: enough to fill batches, few enough to stay in cache.
 constexpr std::size_t kWaveSamples = 512;
-/// Depth of pixels that see nothing: far, but finite, so that it can be averaged and displayed.
-constexpr float kNoDepth = 1e10f;
-
-/// Draws the camera samples of a render.
-class SampleSource {
- public:
-  SampleSource(const World& world, const Camera& camera, const RenderSettings& settings)
-      : world_(world),
-        settings_(settings),
-        rays_(camera, settings.size),
-        filter_(Filter::named(settings.filter)) {}
-
-  int set_of(std::uint32_t index) const {
-    const WavelengthQuadrature* quadrature = world_.lanes.quadrature();
-    if (quadrature == nullptr) return 0;
-    return quadrature->set_of(placed_wavelength_shift(settings_, index));
-  }
-
-  CameraSample sample(const Vec2i& pixel, std::uint32_t index,
-                      const std::optional<Vec2f>& offset_px, float* weight) const {
-    CameraSample sample;
-    sample.set = set_of(index);
-    const std::uint64_t at = number_in_sequence(settings_, index);
-    sample.chance = {pixel_chance(pixel, static_cast<std::uint32_t>(at >> 32)),
-                     static_cast<std::uint32_t>(at)};
-    sample.u_fog = random_1d(sample.chance, kCameraPath, Purpose::Fog);
-    const Vec2f u = random_2d(sample.chance, kCameraPath, Purpose::Film);
-    FilterSample place = filter_.sample({placed(settings_, u.x, 0), placed(settings_, u.y, 1)});
-    if (offset_px) place.offset_px = *offset_px;
-    *weight = place.weight;
-    sample.offset_px = place.offset_px;
-    rays_.aim(Vec2d(pixel) + 0.5 + Vec2d(place.offset_px), sample);
-    return sample;
-  }
-
- private:
-  const World& world_;
-  const RenderSettings& settings_;
-  CameraRays rays_;
-  Filter filter_;
-};
-
-// Names of extra channels that are parts of the light, in the order of LightPart.
-constexpr std::array<const char*, kLightParts> kLightPartNames{"direct", "ambient", "emitted",
-                                                               "reflected", "refracted"};
-
-std::optional<std::size_t> light_part_named(const std::string& group) {
-  const auto* found = std::find(kLightPartNames.begin(), kLightPartNames.end(), group);
-  if (found == kLightPartNames.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - kLightPartNames.begin());
-}
-
-std::vector<std::string> aov_channel_names(const std::string& group,
-                                           const RenderSettings& settings) {
-  if (light_part_named(group)) return {group + ".R", group + ".G", group + ".B"};
-  if (group == "spectralAlbedo") {
-    std::vector<std::string> names;
-    for (const double nm : settings.wavelengths.exact_nm) {
-      names.push_back(reflective_channel_name(nm));
-    }
-    if (!settings.bands || !names.empty()) return names;
-    for (int band = 0; band < settings.bands->count(); ++band) {
-      names.push_back(reflective_channel_name(settings.bands->center_nm(band)));
-    }
-    return names;
-  }
-  if (group == "P" || group == "N") return {group + ".X", group + ".Y", group + ".Z"};
-  if (group == "albedo") return {"albedo.R", "albedo.G", "albedo.B"};
-  if (group == "UV") return {"UV.U", "UV.V"};
-  if (group == "cost") return {"cost.nodes", "cost.triangles"};
-  return {group};
-}
-
-void append_aov(const std::string& group, const FirstHit& hit, const Vec3d& origin_m,
-                const Vec3f& eye, const Vec3f& forward, std::vector<float>& out) {
-  const auto append3 = [&](const Vec3f& v) { out.insert(out.end(), {v.x, v.y, v.z}); };
-  if (group == "Z") {
-    out.push_back(hit.is_hit ? glm::dot(hit.position - eye, forward) : kNoDepth);
-  } else if (group == "P") {
-    append3(hit.is_hit ? Vec3f(origin_m + Vec3d(hit.position)) : hit.position);
-  } else if (group == "N") {
-    append3(hit.normal);
-  } else if (group == "albedo") {
-    append3(hit.albedo_rec709);
-  } else if (group == "UV") {
-    out.insert(out.end(), {hit.uv.x, hit.uv.y});
-  } else if (group == "cost") {
-    out.insert(out.end(),
-               {static_cast<float>(hit.cost.nodes), static_cast<float>(hit.cost.primitives)});
-  } else if (group == "objectId") {
-    // 0 is nothing; floats hold whole numbers up to 2^24 exactly.
-    out.push_back(hit.is_hit ? static_cast<float>(hit.object + 1) : 0.0f);
-  } else {
-    out.push_back(hit.is_hit ? static_cast<float>(hit.material + 1) : 0.0f);
-  }
-}
 
 /// One thread's share of the work and its memory.
 struct Worker {
@@ -142,8 +42,8 @@ class Renderer {
         source_(world, camera, settings),
         film_(film),
         integrator_(integrator_settings(settings)),
-        eye_(Vec3d(camera.to_world[3])),
-        forward_(-glm::normalize(Vec3d(camera.to_world[2]))) {
+        view_{world.geometry.origin_m, Vec3f(Vec3d(camera.to_world[3])),
+              Vec3f(-glm::normalize(Vec3d(camera.to_world[2])))} {
     for (const std::string& group : settings.aovs) {
       has_light_parts_ = has_light_parts_ || light_part_named(group);
       has_spectral_albedo_ = has_spectral_albedo_ || group == "spectralAlbedo";
@@ -205,9 +105,8 @@ class Renderer {
     for (int y = tile.y0; y < tile.y1; ++y) {
       for (int x = tile.x0; x < tile.x1; ++x) {
         for (int s = 0; s < settings_.samples_per_pixel; ++s) {
-          float weight = 1.0f;
-          worker.samples.push_back(
-              source_.sample({x, y}, static_cast<std::uint32_t>(s), std::nullopt, &weight));
+          const auto [sample, weight] = source_.sample({x, y}, static_cast<std::uint32_t>(s));
+          worker.samples.push_back(sample);
           worker.pixels.push_back({x, y});
           worker.weights.push_back(weight);
           if (worker.samples.size() == kWaveSamples) {
@@ -259,8 +158,7 @@ class Renderer {
         worker.aovs.insert(worker.aovs.end(), worker.reflectances.begin(),
                            worker.reflectances.end());
       } else {
-        append_aov(group, worker.first_hits[i], world_.geometry.origin_m, eye_, forward_,
-                   worker.aovs);
+        append_aov(group, worker.first_hits[i], view_, worker.aovs);
       }
     }
     film_.add(worker.pixels[i], worker.weights[i], Vec3f(xyz), worker.bands, worker.aovs);
@@ -295,7 +193,7 @@ class Renderer {
   SampleSource source_;
   Film& film_;
   IntegratorSettings integrator_;
-  Vec3f eye_, forward_;
+  Viewpoint view_;
   std::optional<BandWeights> band_weights_;
   bool has_light_parts_ = false;
   bool has_spectral_albedo_ = false;
@@ -351,8 +249,7 @@ RenderResult render(const LitWorld& world, const Camera& camera, const RenderSet
 CameraSample camera_sample(const World& world, const Camera& camera, const RenderSettings& settings,
                            const Vec2i& pixel, std::uint32_t sample,
                            std::optional<Vec2f> offset_px) {
-  float weight = 1.0f;
-  return SampleSource(world, camera, settings).sample(pixel, sample, offset_px, &weight);
+  return SampleSource(world, camera, settings).sample(pixel, sample, offset_px).sample;
 }
 
 }  // namespace abbe

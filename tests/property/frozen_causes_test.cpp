@@ -24,6 +24,7 @@ RenderSettings settings_of(Mode mode, const CauseSet& frozen = {}) {
   RenderSettings settings;
   settings.size = {64, 36};
   settings.samples_per_pixel = 4;
+  settings.cutoff = 1e-4;  // What is followed by chance differs with the weights of the modes.
   settings.mode = mode;
   settings.frozen = frozen;
   return settings;

@@ -215,6 +215,7 @@ RenderSettings small_settings() {
   settings.size = {8, 8};
   settings.samples_per_pixel = 1;
   settings.filter = "box";
+  settings.cutoff = 1e-4;  // What tests compare with has all of the light, without noise.
   return settings;
 }
 

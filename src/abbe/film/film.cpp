@@ -60,6 +60,7 @@ const FilmOptions& checked(const FilmOptions& options) {
 }  // namespace
 
 AovChannel aov_channel(const std::string& name) {
+  if (name == "samples") return {name, AovRule::Count};
   constexpr std::array<const char*, 8> kMeans{"albedo.",  "cost.",      "direct.",    "ambient.",
                                               "emitted.", "reflected.", "refracted.", "T."};
   const bool is_mean = std::any_of(kMeans.begin(), kMeans.end(), [&name](const char* prefix) {
@@ -127,7 +128,7 @@ void Film::add(const Vec2i& pixel, float weight, const Vec3f& xyz, std::span<con
   for (std::size_t i = 0; i < aovs.size(); ++i) {
     if (options_.aovs[i].rule == AovRule::Mean) {
       extra[i] += (aovs[i] - extra[i]) * share;
-    } else if (is_first) {
+    } else if (is_first && options_.aovs[i].rule == AovRule::First) {
       first[i] = aovs[i];
     }
   }
@@ -165,9 +166,11 @@ void Film::develop_pixel(std::size_t pixel, const Mat3d& xyz_to_rec709, float* o
   const float* negative =
       negative_.extra.empty() ? nullptr : negative_.extra.data() + pixel * extra_count_;
   for (std::size_t i = 0; i < extra_count_; ++i) {
-    const bool is_first_value =
-        i >= spectral_count_ && options_.aovs[i - spectral_count_].rule == AovRule::First;
-    if (is_first_value || negative_count == 0) {
+    const AovRule rule =
+        i >= spectral_count_ ? options_.aovs[i - spectral_count_].rule : AovRule::Mean;
+    if (rule == AovRule::Count) {
+      *out++ = static_cast<float>(positive_count + negative_count);
+    } else if (rule == AovRule::First || negative_count == 0) {
       *out++ = positive[i];
     } else if (positive_count == 0) {
       *out++ = negative[i];

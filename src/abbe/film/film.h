@@ -21,6 +21,7 @@ enum class AovRule : std::uint8_t {
   Mean,   ///< The filtered mean, like colour: albedo, costs.
   First,  ///< The value of the pixel's first sample, where a mean means nothing: ids, depth,
           ///< normals.
+  Count,  ///< How many samples the pixel has; what is added to it counts for nothing.
 };
 
 /// An extra channel of an image.
@@ -30,7 +31,7 @@ struct AovChannel {
 };
 
 /// The channel of that name with the rule that suits it: Mean for colours, spectra and `cost.*`,
-/// First for all others.
+/// Count for `samples`, First for all others.
 AovChannel aov_channel(const std::string& name);
 
 /// Pixels [x0, x1) × [y0, y1).

@@ -63,8 +63,10 @@ void append_aov(const std::string& group, const FirstHit& hit, const Viewpoint& 
   } else if (group == "objectId") {
     // 0 is nothing; floats hold whole numbers up to 2^24 exactly.
     out.push_back(hit.is_hit ? static_cast<float>(hit.object + 1) : 0.0f);
-  } else {
+  } else if (group == "materialId") {
     out.push_back(hit.is_hit ? static_cast<float>(hit.material + 1) : 0.0f);
+  } else {
+    out.push_back(0.0f);  // `samples` are counted by the film.
   }
 }
 

@@ -12,15 +12,29 @@
 
 namespace abbe {
 
-/// Told how far a render is; called from one thread at a time.
+/// Told how far a render is, of the samples that it is expected to take; called from one thread at
+/// a time.
 using ProgressCallback = std::function<void(double fraction_done)>;
+
+/// How many camera samples a render took, and what is left of noise.
+struct SamplingReport {
+  int passes = 1;
+  double samples = 0.0;  ///< Of all pixels that were rendered, which may be more than the crop.
+  double samples_per_pixel = 0.0;  ///< Mean.
+  double noise = 0.0;              ///< RenderSettings::noise.
+  // With it; in CIEDE2000, root mean square over pixels, as SampleAllocation judges it.
+  double error = 0.0;        ///< Of all pixels.
+  double worst_error = 0.0;  ///< Of the block of pixels that has most.
+  double unfinished = 0.0;   ///< Share of pixels that wanted more samples than they may have.
+};
 
 /// What rendering took, and whether it came to its end.
 struct RenderResult {
   IntegratorStats stats;
   double seconds = 0.0;
   std::size_t queue_capacity = 0;  ///< Most fans that could have waited on a thread.
-  bool complete = true;            ///< False when cancelled: some pixels are missing.
+  SamplingReport sampling;
+  bool complete = true;  ///< False when cancelled: some samples are missing.
 };
 
 /// The film that render() adds to: the size, crop, channels and filter of the settings.

@@ -26,7 +26,9 @@ WeightedSample SampleSource::sample(const Vec2i& pixel, std::uint32_t index,
                    static_cast<std::uint32_t>(at)};
   sample.u_fog = random_1d(sample.chance, kCameraPath, Purpose::Fog);
   const Vec2f u = random_2d(sample.chance, kCameraPath, Purpose::Film);
-  FilterSample place = filter_.sample({placed(settings_, u.x, 0), placed(settings_, u.y, 1)});
+  FilterSample place =
+      filter_.sample({placed(u.x, 0, settings_.seed, settings_.samples_per_pixel),
+                      placed(u.y, 1, settings_.seed, settings_.samples_per_pixel)});
   if (offset_px) place.offset_px = *offset_px;
   sample.offset_px = place.offset_px;
   rays_.aim(Vec2d(pixel) + 0.5 + Vec2d(place.offset_px), sample);

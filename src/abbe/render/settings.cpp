@@ -85,8 +85,9 @@ void check_wavelengths(const RenderSettings& settings) {
 }  // namespace
 
 std::vector<std::string> aov_names() {
-  return {"Z",    "P",      "N",       "albedo",  "UV",        "objectId",  "materialId",
-          "cost", "direct", "ambient", "emitted", "reflected", "refracted", "spectralAlbedo"};
+  return {"Z",        "P",          "N",         "albedo",         "UV",
+          "objectId", "materialId", "cost",      "direct",         "ambient",
+          "emitted",  "reflected",  "refracted", "spectralAlbedo", "samples"};
 }
 
 WorldOptions world_options(const RenderSettings& settings) {
@@ -99,14 +100,21 @@ WorldOptions world_options(const RenderSettings& settings) {
 }
 
 CausticOptions caustic_options(const RenderSettings& settings) {
+  // What is cut here is left out, not followed by chance.
   return {.exact = settings.caustics,
           .inner_reflections = settings.inner_reflections,
-          .cutoff = settings.cutoff};
+          .cutoff = std::min(settings.cutoff, CausticOptions{}.cutoff)};
 }
 
 void check_settings(const RenderSettings& settings) {
   check_world_options(world_options(settings));
   check_range("samples_per_pixel", settings.samples_per_pixel, 1, 1 << 20);
+  // Smaller errors take longer than anyone lives.
+  if (settings.noise != 0.0) {
+    check_range("noise", settings.noise, 1e-3, 100.0);
+    check_range("samples_per_pixel", settings.samples_per_pixel, kPilotSamples, 1 << 14);
+  }
+  check_range("noise_exposure_ev", settings.noise_exposure_ev, -100.0, 100.0);
   check_range("max_depth", settings.max_depth, 0, 1000);
   check_range("cutoff", settings.cutoff, 0.0, 1.0);
   check_range("inner_reflections", settings.inner_reflections, 0,

@@ -15,17 +15,25 @@
 
 namespace abbe {
 
+/// RenderSettings::noise of a picture that a person takes for finished, and the most samples a
+/// pixel takes for it.
+inline constexpr double kFinishedNoise = 1.5;
+inline constexpr int kMostSamples = 256;
+
 /// Every field has a default; check_settings says what each may be, and its errors name fields.
 struct RenderSettings {
   Mode mode = Mode::Spectral;
   Vec2i size{960, 540};
   std::optional<PixelRect> crop;  ///< The pixels rendered; none: all of `size`.
-  int samples_per_pixel = 16;
+  int samples_per_pixel = 16;     ///< With `noise`: at most so many.
+  /// Visible error at which a pixel needs no more samples, CIEDE2000; 0: all have the same number.
+  double noise = 0.0;
+  double noise_exposure_ev = 0.0;  ///< At which it is judged: the display's.
   WavelengthOptions wavelengths;
   std::optional<BandOptions> bands;  ///< Spectral channels beside R, G and B.
   std::string filter = "gaussian";   ///< Of filter_names().
   int max_depth = 16;                ///< Most surfaces a path may leave.
-  double cutoff = 1e-4;              ///< Weight below which a fan no longer branches.
+  double cutoff = 2e-2;              ///< Weight below which a fan no longer branches.
   bool drop = false;  ///< End such fans instead of following one child; loses energy.
   Uplift uplift = Uplift::JakobHanika;  ///< Of the scene's RGB colours, in spectral mode.
   bool caustics = true;        ///< Light bent by flat facets exactly; else straight shadow rays.
@@ -40,7 +48,7 @@ struct RenderSettings {
 };
 
 /// Groups of extra channels: Z, P, N, albedo, UV, objectId, materialId, cost; direct,
-/// ambient, emitted, reflected, refracted: parts of the light; spectralAlbedo.
+/// ambient, emitted, reflected, refracted: parts of the light; spectralAlbedo; samples.
 std::vector<std::string> aov_names();
 
 /// How the world and the light in it have to be made for these settings.

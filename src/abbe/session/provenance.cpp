@@ -119,6 +119,8 @@ RenderSettings settings_of(const Reader& read) {
   RenderSettings settings;
   settings.mode = mode_from_name(read.text("mode"));
   read.get("samples", settings.samples_per_pixel);
+  read.get("noise", settings.noise);
+  read.get("noiseExposure", settings.noise_exposure_ev);
   read.get("wavelengths", settings.wavelengths.count);
   if (const std::vector<double> range_nm = read.numbers("range", ':'); !range_nm.empty()) {
     if (range_nm.size() != 2) Reader::reject("range", "no two ends");
@@ -277,6 +279,10 @@ std::map<std::string, Attribute> provenance(const PreparedScene& prepared,
 
   add_wavelengths(settings, out);
   out["abbe:samples"] = settings.samples_per_pixel;
+  if (settings.noise > 0.0) {
+    out["abbe:noise"] = settings.noise;
+    out["abbe:noiseExposure"] = settings.noise_exposure_ev;
+  }
   out["abbe:filter"] = settings.filter;
   out["abbe:depth"] = settings.max_depth;
   out["abbe:cutoff"] = settings.cutoff;

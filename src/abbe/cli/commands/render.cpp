@@ -115,6 +115,11 @@ std::string summary(const RenderArguments& arguments, const RenderResult& result
   std::string text = fmt::format("{} in {:.1f} s, {:.3g} million rays/s",
                                  result.complete ? "rendered" : "interrupted", times.total_seconds,
                                  rays_per_second(result.stats, times.render_seconds) * 1e-6);
+  const SamplingReport& sampling = result.sampling;
+  if (sampling.noise > 0.0 && result.complete) {
+    text += fmt::format(", {:.3g} samples a pixel, noise {:.2f}", sampling.samples_per_pixel,
+                        sampling.error);
+  }
   const char* separator = ": ";
   for (const std::string& file : arguments.outputs) {
     text += separator + file;
@@ -127,6 +132,7 @@ std::string summary(const RenderArguments& arguments, const RenderResult& result
 
 void check_render_arguments(RenderArguments& arguments) {
   RenderSettings& settings = arguments.scene.settings;
+  settings.samples_per_pixel = arguments.samples.value_or(settings.samples_per_pixel);
   if (!arguments.bands.empty()) settings.bands = parse_bands(arguments.bands);
   if (!arguments.crop.empty()) settings.crop = parse_crop(arguments.crop);
   if (!arguments.aovs.empty()) settings.aovs = parse_names(arguments.aovs);
@@ -153,11 +159,24 @@ void check_render_arguments(RenderArguments& arguments) {
 
 namespace {
 
+// Samples where they are needed, unless their number is all that was asked for.
+void settle_sampling(RenderArguments& arguments) {
+  if (arguments.samples && !arguments.noise) return;
+  RenderSettings& settings = arguments.scene.settings;
+  if (arguments.noise && !(*arguments.noise > 0.0)) {
+    throw_usage_error("--noise", fmt::format("{}", *arguments.noise),
+                      "a number above 0; --spp alone gives all pixels as many samples");
+  }
+  settings.noise = arguments.noise.value_or(kFinishedNoise);
+  if (!arguments.samples) arguments.samples = kMostSamples;
+}
+
 ExitCode render_one(RenderArguments& arguments, Shared& shared) {
   const Clock::time_point start = Clock::now();
+  settle_sampling(arguments);
   check_render_arguments(arguments);
   const Console console(arguments.quiet);
-  const RenderSettings& settings = arguments.scene.settings;
+  RenderSettings& settings = arguments.scene.settings;
   const ThreadLimit threads(settings.threads);
   RenderTimes times;
 
@@ -179,6 +198,7 @@ ExitCode render_one(RenderArguments& arguments, Shared& shared) {
   console.show(unsaid(notes, shared));
   const double exposure_ev =
       settle_exposure(arguments, prepared, world, console, shared.metered_ev);
+  settings.noise_exposure_ev = arguments.display.options.exposure_ev;
   ProgressLine progress(console.is_live());
   Film film(film_options(settings));
   const RenderResult result = render(
@@ -253,8 +273,7 @@ ExitCode run_render(RenderArguments& arguments) {
 
 void add_render_options(CLI::App& command, RenderArguments& arguments) {
   RenderSettings& settings = arguments.scene.settings;
-  add_number(command, "--spp", settings.samples_per_pixel, "N",
-             fmt::format("camera samples per pixel (default: {})", settings.samples_per_pixel));
+  add_number(command, "--spp", arguments.samples, "N", "camera samples per pixel");
   add_shown(command, "--bands", arguments.bands, "A:B:STEP",
             "spectral channels beside RGB: bands [A + i STEP, A + (i+1) STEP), in nm");
   add_shown(command, "--crop", arguments.crop, "X0,Y0,X1,Y1",
@@ -284,6 +303,11 @@ void add_render_command(CLI::App& program, ExitCode& code) {
   add_render_options(command, *arguments);
   add_shown(command, "--frames", arguments->frames, "A:B",
             "render these frames, both included; # in the names of files are their numbers");
+  add_number(command, "--noise", arguments->noise, "X",
+             fmt::format("visible error, CIEDE2000, at which a pixel needs no more samples, judged "
+                         "as it is shown; --spp is the most then (default: {:g}, at most {} "
+                         "samples; with --spp alone: all pixels have as many)",
+                         kFinishedNoise, kMostSamples));
   add_number(command, "--fps", arguments->frames_per_second, "N",
              "frames per second: frame k is at k / N seconds (default: 24)");
   add_shown(command, "--stats", arguments->stats_file, "FILE.json",

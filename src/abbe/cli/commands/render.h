@@ -22,12 +22,14 @@ struct RenderArguments {
   std::string bands, crop, aovs, freeze, stats_file;
   std::string frames;  ///< Of a sequence; empty: one image.
   std::optional<double> frames_per_second;
+  std::optional<int> samples;   ///< --spp
+  std::optional<double> noise;  ///< Of `render`; without it and --spp: kFinishedNoise.
   std::string color_space = kRenderSpace;
   ExrOptions exr;
   bool quiet = false;
 };
 
-/// Every option but the scene's, the outputs and --stats.
+/// Every option but the scene's, the outputs, --noise and --stats.
 void add_render_options(CLI::App& command, RenderArguments& arguments);
 
 /// Turns texts into settings and finds everything wrong that can be found without the scene.

@@ -13,7 +13,7 @@ struct Field {
   std::string_view name, option;
 };
 
-constexpr std::array<Field, 43> kFields{{{"accelerator", "--accel"},
+constexpr std::array<Field, 45> kFields{{{"accelerator", "--accel"},
                                          {"adaptation", "--adaptation"},
                                          {"animation", "--animation"},
                                          {"aovs", "--aov"},
@@ -39,6 +39,8 @@ constexpr std::array<Field, 43> kFields{{{"accelerator", "--accel"},
                                          {"light", "--light"},
                                          {"max_depth", "--depth"},
                                          {"mode", "--mode"},
+                                         {"noise", "--noise"},
+                                         {"noise_exposure_ev", "--exposure"},
                                          {"observer", "--observer"},
                                          {"range_nm", "--range"},
                                          {"wavelengths.range_min_nm", "--range"},

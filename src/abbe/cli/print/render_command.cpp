@@ -87,6 +87,10 @@ std::string render_command(const Recipe& recipe) {
   command.add_given("--variant", recipe.scene.variant);
   command.add("--mode", mode_name(settings.mode));
   command.add("--spp", settings.samples_per_pixel);
+  if (settings.noise > 0.0) {
+    command.add("--noise", settings.noise);
+    command.add("--exposure", settings.noise_exposure_ev);
+  }
   add_wavelengths(settings, command);
   command.add("--filter", settings.filter);
   command.add("--depth", settings.max_depth);

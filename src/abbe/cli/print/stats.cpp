@@ -62,6 +62,16 @@ nlohmann::json stats_json(const LitWorld& world, const Film& film, const RenderR
                                                {"lanes_per_fan", lanes_here / fans_here}});
   }
   json["fans"]["lanes_per_spread"] = share(lanes, static_cast<double>(stats.spread_fans));
+  const SamplingReport& sampling = result.sampling;
+  json["sampling"] = {{"passes", sampling.passes},
+                      {"samples", sampling.samples},
+                      {"samples_per_pixel", sampling.samples_per_pixel}};
+  if (sampling.noise > 0.0) {
+    json["sampling"]["noise"] = {{"target", sampling.noise},
+                                 {"reached", sampling.error},
+                                 {"worst_block", sampling.worst_error},
+                                 {"unfinished", sampling.unfinished}};
+  }
   json["queue"] = {{"peak_fans", stats.peak_queued_fans},
                    {"capacity", result.queue_capacity},
                    {"peak_bytes", stats.peak_queue_bytes}};

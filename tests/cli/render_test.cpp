@@ -246,6 +246,31 @@ TEST_F(RenderTest, stats_hold_every_figure) {
   EXPECT_EQ(stats.at("energy_lost").at("cutoff").get<double>(), 0.0);
 }
 
+TEST_F(RenderTest, samples_go_where_they_are_needed_unless_their_number_is_said) {
+  const auto sampled = [this](Arguments more) {
+    Arguments arguments{"render", "scene.gltf", "--size", "24x16",      "-o",
+                        "a.exr",  "--stats",    "s.json", "--exposure", "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome run = abbe(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return nlohmann::json::parse(bytes("s.json")).at("sampling");
+  };
+  const nlohmann::json plain = sampled({});
+  EXPECT_EQ(plain.at("noise").at("target"), 1.5);
+  EXPECT_GT(plain.at("noise").at("reached").get<double>(), 0.0);
+  EXPECT_GE(plain.at("samples_per_pixel").get<double>(), 8.0);
+  ExrHeader header = read_exr_header(file("a.exr"));
+  EXPECT_EQ(attribute<double>(header, "abbe:noise"), 1.5);
+  EXPECT_EQ(attribute<double>(header, "abbe:noiseExposure"), 1.0);
+  EXPECT_EQ(attribute<int>(header, "abbe:samples"), 256);
+  const nlohmann::json coarse = sampled({"--noise", "8", "--spp", "32", "--aov", "samples"});
+  EXPECT_LT(coarse.at("samples").get<double>(), plain.at("samples").get<double>());
+  EXPECT_TRUE(read_exr(file("a.exr")).channel_index("samples").has_value());
+  EXPECT_EQ(sampled({"--spp", "3"}).at("samples"), 24 * 16 * 3);
+  header = read_exr_header(file("a.exr"));
+  EXPECT_FALSE(header.attributes.contains("abbe:noise"));
+}
+
 TEST_F(RenderTest, drop_loses_energy_and_reports_it) {
   render({"-o", "a.exr", "--stats", "s.json", "--drop", "--cutoff", "0.1"});
   const nlohmann::json stats = nlohmann::json::parse(bytes("s.json"));

@@ -73,6 +73,8 @@ const WrongUsage kWrong[] = {
     {"option_twice", render_with({"--spp", "1", "--spp", "2"}), "--spp"},
     {"no_number", render_with({"--spp", "many"}), "\"many\""},
     {"number_with_tail", render_with({"--spp", "4x"}), "\"4x\""},
+    {"noise_0", render_with({"--noise", "0"}), "a number above 0"},
+    {"noise_of_too_few", render_with({"--noise", "1", "--spp", "4"}), "from 8 to"},
     {"spp_0", render_with({"--spp", "0"}), "from 1 to"},
     {"nan", render_with({"--cutoff", "nan"}), "--cutoff"},
     {"negative_seed", render_with({"--seed", "-1"}), "--seed"},

@@ -15,6 +15,7 @@ double metered_exposure_ev(const PreparedScene& prepared, const RenderSettings& 
   coarse.crop.reset();
   coarse.aovs.clear();
   coarse.bands.reset();
+  coarse.noise = 0.0;
   coarse.samples_per_pixel = kSamples;
   if (settings.size.x > kWidth) {
     coarse.size = {kWidth,

@@ -53,8 +53,9 @@ class LibraryTest : public ProgramTest {
   std::vector<float> pixel(const std::string& scene, const Arguments& more = {}) const {
     write("library.gltf", scene);
     // What passes the pane is the wall's light alone: no studio that its faces would reflect.
-    Arguments arguments{"render", "library.gltf", "-o",   "out.exr", "--size", "2x2", "--spp",
-                        "1",      "--rig",        "none", "--quiet"};
+    // All ways to and fro, none by chance.
+    Arguments arguments{"render", "library.gltf", "-o", "out.exr", "--size", "2x2",    "--cutoff",
+                        "1e-4",   "--spp",        "1",  "--rig",   "none",   "--quiet"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome run = abbe(arguments);
     EXPECT_EQ(run.exit_code, 0) << run.err;

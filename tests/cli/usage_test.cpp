@@ -131,8 +131,8 @@ TEST_F(UsageTest, help_of_every_command_is_on_stdout) {
 
 TEST_F(UsageTest, help_of_render_states_the_defaults) {
   const std::string help = abbe({"render", "--help"}).out;
-  for (const char* text : {"default: spectral", "camera samples per pixel (default: 16)",
-                           "1 to 64 (default: 16)", "may leave (default: 16)", "(default: 0.0001)",
+  for (const char* text : {"default: spectral", "default: 1.5, at most 256 samples",
+                           "1 to 64 (default: 16)", "may leave (default: 16)", "(default: 0.02)",
                            "(default: gaussian)", "sRGB - Display", "ACES 1.0 - SDR Video"}) {
     EXPECT_THAT(help, HasSubstr(text));
   }

@@ -34,8 +34,8 @@ PixelRect whole_blocks(const FilmOptions& film) {
 std::vector<SampleAllocation::Step> steps_up_to(int most) {
   std::vector<SampleAllocation::Step> steps;
   int begin = 0;
-  int size = SampleAllocation::kPilot / 2;
-  for (int end = SampleAllocation::kPilot; end < most; end += size) {
+  int size = kPilotSamples / 2;
+  for (int end = kPilotSamples; end < most; end += size) {
     steps.push_back({begin, end});
     begin = end;
     if (end >= 8 * size) size *= 2;

@@ -14,12 +14,12 @@ namespace abbe {
 
 /// Gives pixels the samples that bring their error, as a person sees it, down to a target.
 ///
-/// A pilot decides: the first kPilot samples of every pixel. They fall into two halves, and how far
-/// the means of these are apart, in CIEDE2000 at the exposure of the display, is twice one draw of
-/// the error of the mean of all. How many samples a pixel gets is decided from the pilots of its
-/// neighbours, by nearness, and not from any sample of its own: to stop where the samples of a
-/// pixel happen to agree would miss light that few of them find, and pixels would be too dark (Kirk
-/// & Arvo, Unbiased sampling techniques for image synthesis, SIGGRAPH 1991). So the mean of a
+/// A pilot decides: the first kPilotSamples samples of every pixel. They fall into two halves, and
+/// how far the means of these are apart, in CIEDE2000 at the exposure of the display, is twice one
+/// draw of the error of the mean of all. How many samples a pixel gets is decided from the pilots
+/// of its neighbours, by nearness, and not from any sample of its own: to stop where the samples of
+/// a pixel happen to agree would miss light that few of them find, and pixels would be too dark
+/// (Kirk & Arvo, Unbiased sampling techniques for image synthesis, SIGGRAPH 1991). So the mean of a
 /// pixel's samples is what it would be with any fixed number of them. To go on deciding from what
 /// comes after would be no better: what a pixel finds makes its neighbours look closer, and what
 /// they find then sends it on.
@@ -35,7 +35,6 @@ class SampleAllocation {
  public:
   /// Blocks have this width and height, and lie on a grid of the whole image.
   static constexpr int kBlock_px = 16;
-  static constexpr int kPilot = kPilotSamples;
   static constexpr double kEvenSamples = 16.0;
 
   /// Shape:  `to_xyz` turns what is added into XYZ, where xy 0.3127, 0.3290 at 1 cd/m² is Y = 1.
@@ -57,7 +56,6 @@ class SampleAllocation {
 
   /// How many steps a pixel shall have done.
   int steps_wanted(const Vec2i& pixel) const { return pixels_[index_of(pixel)].steps; }
-  int samples_wanted(const Vec2i& pixel) const { return samples_of(pixels_[index_of(pixel)]); }
 
   /// Adds a camera sample. Different pixels may be added to by different threads.
   /// Units: cd/m² of `to_xyz`. What is not finite is left out.

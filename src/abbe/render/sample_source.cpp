@@ -26,9 +26,10 @@ WeightedSample SampleSource::sample(const Vec2i& pixel, std::uint32_t index,
                    static_cast<std::uint32_t>(at)};
   sample.u_fog = random_1d(sample.chance, kCameraPath, Purpose::Fog);
   const Vec2f u = random_2d(sample.chance, kCameraPath, Purpose::Film);
-  FilterSample place =
-      filter_.sample({placed(u.x, 0, settings_.seed, settings_.samples_per_pixel),
-                      placed(u.y, 1, settings_.seed, settings_.samples_per_pixel)});
+  const auto in_pixel = [this](float place_in_filter, int dimension) {
+    return placed(place_in_filter, dimension, settings_.seed, settings_.samples_per_pixel);
+  };
+  FilterSample place = filter_.sample({in_pixel(u.x, 0), in_pixel(u.y, 1)});
   if (offset_px) place.offset_px = *offset_px;
   sample.offset_px = place.offset_px;
   rays_.aim(Vec2d(pixel) + 0.5 + Vec2d(place.offset_px), sample);

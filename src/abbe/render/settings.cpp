@@ -108,12 +108,10 @@ CausticOptions caustic_options(const RenderSettings& settings) {
 
 void check_settings(const RenderSettings& settings) {
   check_world_options(world_options(settings));
-  check_range("samples_per_pixel", settings.samples_per_pixel, 1, 1 << 20);
+  check_range("samples_per_pixel", settings.samples_per_pixel,
+              settings.noise != 0.0 ? kPilotSamples : 1, 1 << 20);
   // Smaller errors take longer than anyone lives.
-  if (settings.noise != 0.0) {
-    check_range("noise", settings.noise, 1e-3, 100.0);
-    check_range("samples_per_pixel", settings.samples_per_pixel, kPilotSamples, 1 << 14);
-  }
+  if (settings.noise != 0.0) check_range("noise", settings.noise, 1e-3, 100.0);
   check_range("noise_exposure_ev", settings.noise_exposure_ev, -100.0, 100.0);
   check_range("max_depth", settings.max_depth, 0, 1000);
   check_range("cutoff", settings.cutoff, 0.0, 1.0);

@@ -9,7 +9,7 @@ JOBS   ?= $(shell nproc)
 # Debian 12 packages. A list is installed only when a target needs it, and only what is missing.
 BUILD_PACKAGES := g++ cmake ninja-build pkg-config libglm-dev libhwy-dev libtbb-dev libfmt-dev \
   nlohmann-json3-dev libopenexr-dev libtinygltf-dev libcli11-dev libopencolorio-dev \
-  libopenimageio-dev libyaml-cpp-dev zlib1g-dev libdraco-dev libmeshoptimizer-dev libjs-chart.js
+  libopenimageio-dev libpng-dev libyaml-cpp-dev zlib1g-dev libdraco-dev libmeshoptimizer-dev libjs-chart.js
 TEST_PACKAGES  := libgtest-dev libgmock-dev qemu-user clang-format-14 \
   openimageio-tools opencolorio-tools openexr
 BENCH_PACKAGES := libembree-dev libbenchmark-dev povray

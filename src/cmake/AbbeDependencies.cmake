@@ -7,6 +7,7 @@ set(ABBE_DEPENDENCIES
   fmt
   nlohmann_json
   ZLIB
+  PNG
   OpenEXR
   TinyGLTF
   yaml-cpp

@@ -48,8 +48,12 @@ std::vector<SampleAllocation::Step> steps_up_to(int most) {
 struct BlockField {
   std::array<double, std::size_t{kBlock} * kBlock> values{};
 
-  double& at(int u, int v) { return values[static_cast<std::size_t>(v * kBlock + u)]; }
-  double at(int u, int v) const { return values[static_cast<std::size_t>(v * kBlock + u)]; }
+  double& at(int u, int v) { return values[index_of(u, v)]; }
+  double at(int u, int v) const { return values[index_of(u, v)]; }
+
+  static std::size_t index_of(int u, int v) {
+    return static_cast<std::size_t>(v) * kBlock + static_cast<std::size_t>(u);
+  }
 };
 
 // The root mean square of a field over the neighbours of a pixel, by nearness, without its own; a

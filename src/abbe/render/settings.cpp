@@ -27,6 +27,7 @@ void check_range(const char* field, double value, double low, double high) {
 // Of all samples of a pixel.
 std::vector<float> wavelength_shifts(const RenderSettings& settings) {
   std::vector<float> shifts;
+  shifts.reserve(static_cast<std::size_t>(std::max(settings.samples_per_pixel, 0)));
   for (int i = 0; i < settings.samples_per_pixel; ++i) {
     shifts.push_back(placed_wavelength_shift(settings, static_cast<std::uint32_t>(i)));
   }

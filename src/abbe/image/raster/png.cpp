@@ -1,15 +1,15 @@
 #include "abbe/image/raster/png.h"
 
+#include <png.h>
 #include <zlib.h>
 
-#include <algorithm>
 #include <cmath>
-#include <memory>
 #include <new>
+#include <stdexcept>
 #include <string_view>
+#include <utility>
 
-#include "abbe/base/parallel.h"
-#include "abbe/image/raster/png_filter.h"
+#include "abbe/math/vec.h"
 
 namespace abbe {
 namespace {
@@ -49,104 +49,71 @@ void append_tags(Bytes& out, const PngTags& tags) {
   append_chunk(out, "cHRM", chromaticities);
 }
 
-// One row and the one above it; to the left of both stands a pixel of zeros.
-struct RowPair {
-  std::span<const std::uint8_t> row;
-  std::span<const std::uint8_t> above;
-  std::size_t pixel_bytes;
+// Of a PNG that is being written.
+struct Sink {
+  Bytes bytes;
+  std::string fault;
 };
 
-// Filters the row; the sum of the magnitudes.
-template <int kFilter>
-std::uint64_t filter_row(const RowPair& rows, std::span<std::uint8_t> out) {
-  const std::uint8_t* const row = rows.row.data() + rows.pixel_bytes;
-  const std::uint8_t* const above = rows.above.data() + rows.pixel_bytes;
-  const auto pixel = static_cast<std::ptrdiff_t>(rows.pixel_bytes);
-  std::uint64_t sum = 0;
-  for (std::ptrdiff_t x = 0; x < static_cast<std::ptrdiff_t>(out.size()); ++x) {
-    const int predicted = png_prediction<kFilter>(row[x - pixel], above[x], above[x - pixel]);
-    const auto value = static_cast<std::uint8_t>(row[x] - predicted);
-    out[static_cast<std::size_t>(x)] = value;
-    sum += value < 128 ? value : 256u - value;
-  }
-  return sum;
+void append_to(png_structp png, png_bytep data, std::size_t size) {
+  Bytes& bytes = static_cast<Sink*>(png_get_io_ptr(png))->bytes;
+  bytes.insert(bytes.end(), data, data + size);
 }
 
-// The filter's number and the filtered bytes.
-void filter_best(const RowPair& rows, std::span<std::uint8_t> out) {
-  constexpr std::array kFilters{filter_row<0>, filter_row<1>, filter_row<2>, filter_row<3>,
-                                filter_row<4>};
-  Bytes filtered(out.size() - 1);
-  std::uint64_t smallest = ~std::uint64_t{0};
-  for (std::size_t filter = 0; filter < kFilters.size(); ++filter) {
-    const std::uint64_t sum = kFilters[filter](rows, filtered);
-    if (sum >= smallest) continue;
-    smallest = sum;
-    out[0] = static_cast<std::uint8_t>(filter);
-    std::copy(filtered.begin(), filtered.end(), out.begin() + 1);
-  }
+[[noreturn]] void give_up(png_structp png, png_const_charp reason) {
+  static_cast<Sink*>(png_get_error_ptr(png))->fault = reason;
+  png_longjmp(png, 1);
 }
 
-// The rows of an image as they lie in a PNG, filtered one by one.
-Bytes filtered_rows(std::span<const std::uint8_t> raw, std::size_t rows, std::size_t pixel_bytes) {
-  const std::size_t row_bytes = raw.size() / rows;
-  Bytes filtered(rows * (row_bytes + 1));
-  parallel_for(0, rows, 16, [&](std::size_t y) {
-    Bytes row(pixel_bytes + row_bytes);
-    Bytes above(pixel_bytes + row_bytes);
-    const auto copy = [&](std::size_t from, Bytes& to) {
-      const auto bytes = raw.subspan(from * row_bytes, row_bytes);
-      std::copy(bytes.begin(), bytes.end(), to.begin() + static_cast<std::ptrdiff_t>(pixel_bytes));
-    };
-    copy(y, row);
-    if (y > 0) copy(y - 1, above);  // Above the image all bytes are 0.
-    filter_best({row, above, pixel_bytes},
-                std::span(filtered).subspan(y * (row_bytes + 1), row_bytes + 1));
-  });
-  return filtered;
+void ignore(png_structp /*png*/, png_const_charp /*reason*/) {}
+
+struct Writer {
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+
+  ~Writer() { png_destroy_write_struct(&png, &info); }
+};
+
+// libpng leaves by longjmp: what has a destructor belongs to the caller. Whether it came to its
+// end.
+bool write_all(const Writer& writer, const Vec2i& size, int bits, const Bytes& tags,
+               std::vector<png_bytep>& rows) {
+  png_structp png = writer.png;
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_set_IHDR(png, writer.info, static_cast<png_uint_32>(size.x), static_cast<png_uint_32>(size.y),
+               bits, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, writer.info);
+  // libpng 1.6 knows no cICP, and the others go with it.
+  append_to(png, const_cast<png_bytep>(tags.data()), tags.size());
+  if (bits == 16) png_set_swap(png);
+  png_write_image(png, rows.data());
+  png_write_end(png, nullptr);
+  return true;
 }
 
-// As one stream of zlib in IDAT chunks.
-void append_compressed(Bytes& out, const Bytes& filtered) {
-  constexpr std::size_t kLongestInput = std::size_t{1} << 30;
-  constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
-  z_stream stream{};
-  if (deflateInit2(&stream, 6, Z_DEFLATED, 15, 8, Z_FILTERED) != Z_OK) throw std::bad_alloc();
-  const std::unique_ptr<z_stream, int (*)(z_stream*)> guard(&stream, deflateEnd);
-  Bytes chunk(std::min(kChunkBytes, filtered.size() + 1024));
-  std::size_t begin = 0;
-  for (int status = Z_OK; status != Z_STREAM_END;) {
-    if (stream.avail_in == 0) {
-      const std::size_t more = std::min(kLongestInput, filtered.size() - begin);
-      stream.next_in = const_cast<Bytef*>(filtered.data() + begin);
-      stream.avail_in = static_cast<uInt>(more);
-      begin += more;
-    }
-    stream.next_out = chunk.data();
-    stream.avail_out = static_cast<uInt>(chunk.size());
-    status = deflate(&stream, begin == filtered.size() ? Z_FINISH : Z_NO_FLUSH);
-    const std::size_t size = chunk.size() - stream.avail_out;
-    if (size > 0) append_chunk(out, "IDAT", std::span(chunk).first(size));
-  }
-}
-
-// Of codes as they lie in a file, the high byte first.
-Bytes encode(int width, int height, std::uint8_t bits, std::span<const std::uint8_t> raw,
+template <typename Code>
+Bytes encode(int width, int height, std::span<const Code> codes,
              const std::optional<PngTags>& tags) {
-  constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  constexpr std::uint8_t kRgb = 2;
-  Bytes out(kSignature.begin(), kSignature.end());
-  Bytes header;
-  append_word(header, static_cast<std::uint32_t>(width));
-  append_word(header, static_cast<std::uint32_t>(height));
-  header.insert(header.end(), {bits, kRgb, 0, 0, 0});
-  append_chunk(out, "IHDR", header);
-  if (tags) append_tags(out, *tags);
-
-  append_compressed(
-      out, filtered_rows(raw, static_cast<std::size_t>(height), std::size_t{3} * bits / 8));
-  append_chunk(out, "IEND", {});
-  return out;
+  Sink sink;
+  Writer writer;
+  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &sink, give_up, ignore);
+  writer.info = writer.png != nullptr ? png_create_info_struct(writer.png) : nullptr;
+  if (writer.info == nullptr) throw std::bad_alloc();
+  png_set_write_fn(writer.png, &sink, append_to, nullptr);
+  Bytes chunks;
+  if (tags) append_tags(chunks, *tags);
+  std::vector<png_bytep> rows;
+  rows.reserve(static_cast<std::size_t>(height));
+  for (int y = 0; y < height; ++y) {
+    const Code* const row =
+        codes.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width) * 3;
+    rows.push_back(const_cast<png_bytep>(reinterpret_cast<png_const_bytep>(row)));
+  }
+  if (!write_all(writer, {width, height}, 8 * static_cast<int>(sizeof(Code)), chunks, rows)) {
+    throw std::runtime_error("libpng: " + sink.fault);
+  }
+  return std::move(sink.bytes);
 }
 
 }  // namespace
@@ -177,17 +144,12 @@ std::optional<PngTags> png_tags_of_display(const std::string& display) {
 
 Bytes encode_png(int width, int height, std::span<const std::uint8_t> codes,
                  const std::optional<PngTags>& tags) {
-  return encode(width, height, 8, codes, tags);
+  return encode(width, height, codes, tags);
 }
 
 Bytes encode_png(int width, int height, std::span<const std::uint16_t> codes,
                  const std::optional<PngTags>& tags) {
-  Bytes raw(codes.size() * 2);
-  for (std::size_t i = 0; i < codes.size(); ++i) {
-    raw[2 * i] = static_cast<std::uint8_t>(codes[i] >> 8);
-    raw[2 * i + 1] = static_cast<std::uint8_t>(codes[i]);
-  }
-  return encode(width, height, 16, raw, tags);
+  return encode(width, height, codes, tags);
 }
 
 }  // namespace abbe

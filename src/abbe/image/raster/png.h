@@ -22,10 +22,8 @@ struct PngTags {
 /// primaries.
 std::optional<PngTags> png_tags_of_display(const std::string& display);
 
-/// A whole PNG of width·height·3 codes, by zlib alone: the libraries behind OpenImageIO take longer
-/// to load than a small picture takes to write. Each row has the filter of the smallest sum of
-/// magnitudes, of equal ones the first.
-/// Source: W3C, PNG Specification (Third Edition), 9 and 12.7.
+/// A whole PNG of width·height·3 codes, by libpng itself: the libraries behind OpenImageIO take
+/// longer to load than a small picture takes to write. Errors: std::runtime_error.
 std::vector<std::uint8_t> encode_png(int width, int height, std::span<const std::uint8_t> codes,
                                      const std::optional<PngTags>& tags);
 std::vector<std::uint8_t> encode_png(int width, int height, std::span<const std::uint16_t> codes,

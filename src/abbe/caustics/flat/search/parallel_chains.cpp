@@ -175,7 +175,7 @@ class Builder {
     const std::vector<Vec3d> window =
         clipped(facet.corners, -ahead, -glm::dot(ahead, bundle.polygon.front()));
     if (window.empty()) return {};
-    const std::vector<Vec3d> polygon = without_short_edges(
+    std::vector<Vec3d> polygon = without_short_edges(
         clipped_by_shadow(window, bundle.polygon, bundle.direction), kShort * facet.radius_m);
     // A sliver made by rounding.
     if (polygon.empty() || !(area_of(polygon) > 1e-12 * facet.radius_m * facet.radius_m)) return {};
